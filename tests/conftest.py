@@ -1,7 +1,9 @@
 """What holds for every test: array shapes are checked, and in CI no browser test may be skipped."""
 
+import gc
 import json
 import os
+import subprocess
 import sys
 from collections.abc import Generator
 from pathlib import Path
@@ -12,7 +14,7 @@ from hypothesis import settings
 from xdist.remote import Producer
 from xdist.scheduler import LoadFileScheduling
 
-from tests.support import shape_checker
+from tests.support import compiled_kernels, shape_checker
 
 SOURCE = Path(__file__).parent.parent
 BROWSER_TESTS = "tests/browser/"
@@ -31,9 +33,11 @@ def _checked_modules() -> list[str]:
 
 
 settings.register_profile("developer", deadline=None)  # the first call compiles, which no deadline forgives
-# The gate judges the change, not the draw; it draws half of the usual hundred, for `make fuzz` draws for minutes.
-settings.register_profile("gate", deadline=None, derandomize=True, max_examples=50)
+# The gate judges the change, not the draw; it draws a third of the usual hundred, for `make fuzz` draws for minutes.
+settings.register_profile("gate", deadline=None, derandomize=True, max_examples=33)
 settings.load_profile("gate" if os.environ.get("CI") else "developer")
+
+gc.disable()  # until all tests are collected: nothing of what is made there goes away
 
 jaxtyping.jaxtyped = shape_checker.sampled  # the hook writes this name above every function
 jaxtyping.install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
@@ -50,6 +54,30 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest work first, so that no worker is left with it at the end: the browser, then the slow files."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: (not item.nodeid.startswith(BROWSER_TESTS), item.path not in slow))
+
+
+COMPILING = pytest.StashKey[subprocess.Popen]()
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """One process compiles the kernels for all workers, while they collect the tests."""
+    if session.config.getoption("numprocesses", None):
+        command = [sys.executable, "-m", "tests.support.compiled_kernels"]
+        session.config.stash[COMPILING] = subprocess.Popen(command, cwd=SOURCE)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """A worker waits for the kernels. What was imported and collected stays, and is not looked through any more."""
+    if hasattr(session.config, "workerinput"):
+        compiled_kernels.make()
+    gc.freeze()
+    gc.enable()
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """The process that compiles has ended before the tests begin, unless there are none."""
+    if COMPILING in session.config.stash:
+        session.config.stash[COMPILING].wait()
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling:

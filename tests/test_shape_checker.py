@@ -82,4 +82,6 @@ def test_each_test_file_checks_its_own_first_calls():
 
 def test_a_function_inside_another_is_counted_over_all_its_definitions():
     shape_checker.begin_file()
-    assert sum(refused(norm(), np.ones(4), 1) for _ in range(1024)) == shape_checker.FIRST + 6
+    assert sum(refused(norm(), np.ones(4), 1) for _ in range(1024)) == shape_checker.FIRST + np.log2(
+        1024 / shape_checker.FIRST
+    )

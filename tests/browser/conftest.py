@@ -30,18 +30,18 @@ def browser() -> Iterator[Browser]:
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def narrow_page(server: Server, browser: Browser) -> Iterator[Visitor]:
-    """One page for a file of tests: to load it takes longer than most of them."""
+    """One page for all tests: to load it takes longer than most of them."""
     tab = Visitor(browser, server.url, density=COARSE)
     tab.dismiss_notifications()
     yield tab
     tab.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def wide_page(server: Server, browser: Browser) -> Iterator[Visitor]:
-    """One page for a file of tests, on a screen that has all plots on view."""
+    """One page for all tests, on a screen that has all plots on view."""
     tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
     tab.dismiss_notifications()
     yield tab
@@ -50,7 +50,7 @@ def wide_page(server: Server, browser: Browser) -> Iterator[Visitor]:
 
 @pytest.fixture
 def visitor(narrow_page: Visitor) -> Iterator[Visitor]:
-    """The page of this file with the first preset as it is shipped; it must not complain."""
+    """That page with the first preset as it is shipped; it must not complain."""
     narrow_page.begin_anew()
     yield narrow_page
     assert narrow_page.complaints == []
@@ -58,7 +58,7 @@ def visitor(narrow_page: Visitor) -> Iterator[Visitor]:
 
 @pytest.fixture
 def wide(wide_page: Visitor) -> Iterator[Visitor]:
-    """The page of this file with all plots on view, with the first preset as it is shipped; it must not complain."""
+    """That page with all plots on view, with the first preset as it is shipped; it must not complain."""
     wide_page.begin_anew()
     yield wide_page
     assert wide_page.complaints == []

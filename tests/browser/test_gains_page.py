@@ -73,3 +73,5 @@ def test_nonsense_in_a_physical_box_is_told_there_and_nothing_is_lost(visitor: V
     visitor.wait_for_no_text("asks for q = ")
     visitor.wait_for_no_text("Not shown")
     until(lambda: _error(visitor, "position") == before, "the curve as it was, to the last bit")
+    visitor.choose("show gains as", LETTERS)
+    visitor.wait_for_text("range weight q (1/")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from explorer.server import SessionServer
-from tests.support.waiting_visitor import drawn, proven
+from tests.support.waiting_visitor import Editing, arrived, drawn, proven
 from tests.support.wire import Wire
 
 pytestmark = pytest.mark.slow
@@ -16,13 +16,20 @@ NOT_SHOWN = "Not shown"
 SPEED = "speed (slower ⟷ faster)"
 
 
+@pytest.fixture(scope="module")
+def visitor(sessions: tuple[int, SessionServer]) -> Iterator[Editing]:
+    """One visitor who makes all of the mistakes."""
+    page = arrived(sessions)
+    page.tab.wait_for_text("13 of 13")
+    yield page
+    page.tab.close()
+
+
 @pytest.fixture
-def standing(sessions: tuple[int, SessionServer]) -> Iterator[Wire]:
-    """A tab of its own for each mistake: what corrects one may be drawn after the next is made."""
-    tab = Wire(sessions[0])
-    tab.wait_for_text("13 of 13")
-    yield tab
-    tab.close()
+def standing(visitor: Editing) -> Iterator[Wire]:
+    """The tab of the visitor; what corrects a mistake is taken over before the next one is made."""
+    yield visitor.tab
+    visitor.settle()
 
 
 @pytest.mark.parametrize(
@@ -90,7 +97,7 @@ def test_nonsense_gets_a_sentence_and_the_last_picture_stays(standing: Wire, lab
 
 
 def test_two_wrong_boxes_are_both_named_over_the_scene_and_no_slider_jumps(standing: Wire):
-    before = standing.value("range noise σ (m)")
+    before, typed = standing.value("range noise σ (m)"), standing.value("range noise σ (m): number")
     standing.set("range noise σ (m): number", "1e99")
     standing.set("flight duration (s)", "abc")
     wrong = ("Range noise σ must be 0, or lie between", "Flight duration (s): “abc” is no number")
@@ -105,3 +112,5 @@ def test_two_wrong_boxes_are_both_named_over_the_scene_and_no_slider_jumps(stand
     standing.set("range noise σ (m): number", "0.2")
     standing.wait_for(lambda: NOT_SHOWN not in standing.text(), "the complaint to go")
     standing.wait_for(lambda: standing.value("range noise σ (m)") != before, "the slider to follow")
+    standing.set("range noise σ (m)", before)
+    standing.wait_for(lambda: standing.value("range noise σ (m): number") == typed, "the number to follow")

@@ -1,7 +1,7 @@
 """The checker of shapes and types that conftest wraps around every function: numbers of numpy count as Python's.
 
 A check costs more than most of the functions do, so a sample of the calls is checked: the first ones in every test
-file, and after them those whose number is a power of two.
+file, and after them those whose number is twice that of the last.
 """
 
 import dataclasses
@@ -15,7 +15,7 @@ import numpy as np
 from beartype import BeartypeConf, FrozenDict, beartype
 from jaxtyping import jaxtyped
 
-FIRST = 16
+FIRST = 8
 """So many calls of a function are all checked, in each test file."""
 
 checked = beartype(
@@ -31,10 +31,20 @@ checked = beartype(
 class _Calls:
     """The calls of one function in this test file; an inner function keeps its count when it is defined again."""
 
-    __slots__ = ("number",)
+    __slots__ = ("left", "next")
 
     def __init__(self) -> None:
-        self.number = 0
+        self.begin()
+
+    def begin(self) -> None:
+        """The first call is checked."""
+        self.next, self.left = 1, 1
+
+    def plan(self) -> None:
+        """The call that was to be checked next has come: plan another one, to which `left` counts down."""
+        this = self.next
+        self.next = this + 1 if this < FIRST else 2 * this
+        self.left = self.next - this
 
 
 _calls: dict[CodeType, _Calls] = {}
@@ -60,9 +70,10 @@ def _sampled_function(bare: Callable, typechecker: Callable) -> Callable:
     @functools.wraps(bare)
     def sample(*args, **kwargs):
         nonlocal checking
-        calls.number = number = calls.number + 1
-        if number > FIRST and number & (number - 1):
+        calls.left -= 1
+        if calls.left > 0:
             return bare(*args, **kwargs)
+        calls.plan()
         if checking is None:
             checking = jaxtyped(bare, typechecker=typechecker)
         state = random.getstate()
@@ -82,4 +93,4 @@ def is_checked(function: Callable) -> bool:
 def begin_file() -> None:
     """Every count starts again at zero."""
     for calls in _calls.values():
-        calls.number = 0
+        calls.begin()

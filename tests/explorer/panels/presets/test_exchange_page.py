@@ -3,12 +3,16 @@
 import io
 import re
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
+from explorer.storage import import_file
+from explorer.storage.import_file import ImportFile
 from rangenav import certificate, formats, preset
 from rangenav.certificate import exports
+from rangenav.inputs import Vec3
 from tests.support.waiting_visitor import Editing, save_as
 
 pytestmark = pytest.mark.slow
@@ -17,6 +21,17 @@ pytestmark = pytest.mark.slow
 SHIPPED = preset.shipped()
 WORST = re.compile(r"from ([\d.]+) s: rank")
 """The beginning of the worst window of a recorded flight (s)."""
+
+
+@pytest.fixture(autouse=True)
+def _read_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are read in this process. The browser's tests read them in a process of their own, as the page does; what
+    that adds is tested in tests/explorer/storage/test_import_process.py."""
+
+    def read(file: ImportFile, format_name: str, confirm: Mapping[str, str], anchor: Vec3 | None, *, cancelled: object):
+        return import_file.interpret(file, format_name, confirm, anchor)
+
+    monkeypatch.setattr("explorer.storage.import_process.read", read)
 
 
 def _zip(page: Editing, name: str) -> zipfile.ZipFile:
@@ -92,7 +107,7 @@ def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
 
 
 def test_a_guess_is_reported_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
-    page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
+    page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 60_000)
     page.tab.wait_for(lambda: any("Non_sense 1.csv: " in text for text in page.refusals()), "the file's own name")
     assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
     page.tab.upload("Upload a file", "mine.toml", preset.dumps(SHIPPED["soft"]).encode())

@@ -1,0 +1,24 @@
+"""The compiled kernels, made by one process for all that test at once: `python -m tests.support.compiled_kernels`.
+
+numba keeps what it has compiled in a folder, and locks nothing: workers that began together would each compile it all.
+"""
+
+from filelock import FileLock
+
+from rangenav.kernels import precompile
+from rangenav.kernels.jit import FOLDER
+
+
+def make() -> None:
+    """Compile the kernels, or read them once another process has compiled them."""
+    FOLDER.parent.mkdir(parents=True, exist_ok=True)
+    with FileLock(FOLDER.with_suffix(".lock")):
+        precompile.compile_all(_say_nothing)
+        precompile.compile_estimators(_say_nothing)
+
+
+def _say_nothing(fraction: float, name: str) -> None: ...
+
+
+if __name__ == "__main__":
+    make()
