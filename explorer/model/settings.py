@@ -102,7 +102,7 @@ def is_another(before: Settings, after: Settings) -> bool:
         saved, shown = effective(after), effective(before)
     except ValueError:  # what cannot be computed cannot have been saved
         return True
-    return msgspec.structs.replace(saved, title=shown.title) != shown
+    return msgspec.structs.replace(saved, title=shown.title, story=shown.story, expect=shown.expect) != shown
 
 
 def effective(settings: Settings) -> Preset:

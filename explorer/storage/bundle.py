@@ -12,10 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import msgspec
-
 from explorer.model.certificate_text import certificate_sentence
-from rangenav import analysis, formats
+from explorer.storage.preset_file import as_it_became
+from rangenav import formats
 from rangenav.certificate import certified_export, cures, encoding
 from rangenav.certificate.certified_export import CertifiedExport, RefusedExportError
 from rangenav.certificate.cures import Cure
@@ -76,7 +75,7 @@ def pack(
     CancelledError.
     """
     require(len(format_names) > 0, NOTHING_CHOSEN)
-    options, preset = options or ExportOptions(), _kept_promise(preset)
+    options, preset = options or ExportOptions(), as_it_became(preset)
     notes: list[str] = []
     refusals: list[RefusedExportError] = []
     with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
@@ -103,12 +102,6 @@ def pack(
         content = b"" if "preset" in left_out or left_out >= set(format_names) else _zipped(folder)
     refused = tuple(_with_cures(error, cancelled) for error in refusals)
     return Bundle(f"{stem}{MARK if marked else ''}.zip", content, tuple(notes), refused)
-
-
-def _kept_promise(preset: Preset) -> Preset:
-    """A preset that has become observable on the page promises so: the promise of the blind one would be broken."""
-    observable = preset.expect != "observable" and analysis.analyse(preset).verdict.word == "observable"
-    return msgspec.structs.replace(preset, expect="observable") if observable else preset
 
 
 def _readme(notes: Sequence[str]) -> str:

@@ -16,6 +16,7 @@ from functools import lru_cache
 from explorer.model.settings import Settings
 from explorer.storage.certifier import CertificateOrReason, Certifier
 from explorer.storage.library import Library, LibraryError, edition, slug
+from explorer.storage.preset_file import as_it_became
 from rangenav import certificate, preset
 from rangenav.preset import Preset
 
@@ -123,6 +124,7 @@ class Catalog:
 
     def add(self, new: Preset) -> Settings:
         """Save a new preset in the library. Raises LibraryError."""
+        new = as_it_became(new)
         content = _bytes(new)
         return self._saved(MINE + self._library.add(new.title, content), new, content)
 
@@ -130,6 +132,7 @@ class Catalog:
         """Overwrite an own preset that was opened in some edition. Raises LibraryError."""
         if not self.is_own(name):
             raise LibraryError("a shipped preset, or one not saved yet, is kept under a title of yours: use “save as”")
+        new = as_it_became(new)
         content = _bytes(new)
         self._library.save(name.removeprefix(MINE), content, known=self._known_editions(name, edition))
         return self._saved(name, new, content)
@@ -138,6 +141,7 @@ class Catalog:
         """Save an own preset with a new title under a new name. Raises LibraryError."""
         if not self.is_own(name):
             raise LibraryError("only presets of your own can be renamed: use “save as”")
+        new = as_it_became(new)
         content = _bytes(new)
         known = self._known_editions(name, edition)
         return self._saved(

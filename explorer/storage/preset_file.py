@@ -3,6 +3,8 @@
 The verdict is computed from the TOML text of the same file.
 """
 
+import msgspec
+
 from explorer.model.settings import Settings, effective
 from rangenav import analysis, preset
 from rangenav.analysis import Analysis
@@ -21,10 +23,18 @@ UNJUDGED = (
 
 def document(settings: Settings) -> bytes:
     """The preset file of some settings."""
-    text = preset.dumps(effective(settings))
+    text = preset.dumps(as_it_became(effective(settings)))
     read_back = preset.loads(text, source="this file")
     start = PRINTED_START if settings.printed.initial_values else ""
     return (verdict_comments(read_back) + start + UNITS + "\n" + text).encode()
+
+
+def as_it_became(chosen: Preset) -> Preset:
+    """A preset that is observable expects so. One that was drawn from a blind preset would break the promise of that
+    one, and tell its story."""
+    if chosen.expect == "observable" or analysis.analyse(chosen).verdict.word != "observable":
+        return chosen
+    return msgspec.structs.replace(chosen, expect="observable", story="")
 
 
 def verdict_comments(shown: Preset) -> str:

@@ -21,10 +21,12 @@ def check(state: State) -> Outcome:
     exported = bool(mu) and file_mu is not None and abs(file_mu - mu) <= CHANGE * mu
     done = (not missed) + (not broken) + exported
     missing = [name for name in missed if name != "vehicle"]  # which limit it is, the next sentence says
+    steps = {"certified": not missed, "flyable": not broken, "exported": exported}
+    marks = ", ".join(f"{'✓' if is_done else '✗'} {step}" for step, is_done in steps.items())
     if missing:
-        return Outcome(done, False, f"Not certified yet. What is missing: {', '.join(missing)}.")
+        return Outcome(done, False, f"{marks}. What a certificate lacks: {', '.join(missing)}.")
     if broken:
-        return Outcome(done, False, f"The vehicle cannot fly it: {broken[0].summary}.")
+        return Outcome(done, False, f"{marks}. The vehicle cannot fly it: {broken[0].summary}.")
     if not exported:
-        return Outcome(done, False, "Certified and flyable. Now export this flight as polynomials.")
+        return Outcome(done, False, f"{marks}. Now export this flight as polynomials.")
     return Outcome(done, True, "Certified, flyable, and exported.")

@@ -69,6 +69,8 @@ class LearnPanel:
         self._picture: Picture | None = None
         self._outcome: Outcome | None = None
         self._at_rest = False
+        self._old_export: tuple[str, bytes] | None = None
+        """What had been exported before the lesson was opened: it is no answer to the task."""
         self._judged: State | None = None
         """Whether nothing has changed for a moment, and what the last check was asked about."""
         self._show, self._said = Show(), ""
@@ -127,6 +129,7 @@ class LearnPanel:
     def open(self, lesson: Lesson) -> None:
         """Show a lesson from its beginning, on its first state."""
         self.learning = progress.opened(self.learning, lesson.name, self._page.read())
+        self._old_export = self._session.exported()
         self._session.rewind()
         self._put(lesson.start)
 
@@ -195,11 +198,12 @@ class LearnPanel:
         self._draw()
 
     def _state(self, settings: Settings) -> State:
+        exported = self._session.exported()
         return State(
             settings=settings,
             pinned=self._session.pinned(),
             answers=progress.answers_of(self.learning, self.learning.lesson),
-            exported=self._session.exported(),
+            exported=None if exported is self._old_export else exported,
         )
 
     def _put(self, state: State) -> None:
@@ -347,6 +351,7 @@ class LearnPanel:
                 read=self._figures.read,
                 outcome=self._outcome,
                 said=self._said,
+                last=lesson is self._course.lessons[-1],
             )
             content = markup.screen(lesson, shown)
         asks_number = lesson is not None and self._asks_number(lesson)

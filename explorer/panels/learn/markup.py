@@ -39,6 +39,8 @@ class Shown:
     """The check of what is on the page; None until it has been computed."""
     said: str = ""
     """What "show me" is doing, or why a prediction was not taken."""
+    last: bool = False
+    """Whether it is the last lesson of the course."""
 
 
 def button(name: str, label: str, kind: str = "", *, pressed: bool | None = None, disabled: bool = False) -> str:
@@ -87,7 +89,7 @@ def screen(lesson: Lesson, shown: Shown) -> str:
     onward = (
         button("next", "Next ›" if done else "Skip ›", "rn-main" if done else "", disabled=waits)
         if not last
-        else button("following", "Next lesson ›", "rn-main")
+        else button("following", "To the list ›" if shown.last else "Next lesson ›", "rn-main")
     )
     back = button("back", "‹ Back", disabled=k == 0)
     foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {count}</span>{onward}</div>'

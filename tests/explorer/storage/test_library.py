@@ -305,3 +305,12 @@ def test_a_folder_that_another_program_holds_locked_is_a_sentence_and_free_again
             own_presets.add("second", b"two")
     own_presets.add("second", b"two")
     assert list(own_presets.stamps()) == ["first", "second"]
+
+
+def test_an_observable_motion_that_was_drawn_from_a_blind_preset_is_saved_as_observable(tmp_path: Path):
+    blind, observable = preset.load("figure-eight"), preset.load("soft")
+    drawn = msgspec.structs.replace(observable, expect=blind.expect, story=blind.story)
+    catalog = Catalog(preset.shipped(), Library(tmp_path), Certifier())
+    saved, kept = catalog.add(drawn).preset, catalog.add(blind).preset
+    assert (saved.expect, saved.story, saved.path) == ("observable", "", observable.path)
+    assert kept == blind
