@@ -46,8 +46,14 @@ def closed_loop(picture: Picture) -> Drawing:
 
 
 def describe(picture: Picture) -> tuple[str, ...]:
-    """Sentences: when the error settles without noise and in this run, and its rate for good."""
+    """Sentences: when the error settles without noise and in this run, and its rate in the long run."""
     return convergence.sentences(picture.convergence, picture.summary)
+
+
+def compare(a: Picture, b: Picture) -> tuple[str, ...]:
+    """The same sentences of the pinned run A, and which of A and B is faster."""
+    first, *others = convergence.sentences(a.convergence, a.summary)
+    return (f"A, the pinned run: {first}", *others, *convergence.which_is_faster(a.convergence, b.convergence))
 
 
 def _empty(picture: Picture, columns: int) -> Drawing:

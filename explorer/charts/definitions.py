@@ -39,13 +39,13 @@ EXCITATION = Definition(
     "∫<sub>t</sub><sup>t+δ</sup> p⁗ p⁗ᵀ ds ≥ μ I₃",
     "The three eigenvalues over the window that starts at t. Persistency of excitation: the least one stays above μ for"
     " all t. What is below the axis is rounding noise.",
-    note="Turning the body changes nothing here; with the printed φ it does.",
+    note="Turning the body changes no λ; it changes the printed λ.",
 )
 GRAMIAN = Definition(
     "W(t) = (1/δ) ∫<sub>t</sub><sup>t+δ</sup> hᵀh ds, &nbsp; h = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ]",
     "D(s) = p(s) − p(t) − τv(t) − ½τ²g, τ = s − t. The 13 eigenvalues (SI) are squares of singular values. Below the"
     " grey floor lies rounding noise: those eigenvalues run along the floor instead.",
-    note="Turning the body changes nothing here: only path and gravity do.",
+    note="Turning the body changes no eigenvalue: only path and gravity do.",
 )
 PREDICTED = Definition(
     "σ² = tr [ (Σ hᵀh / (d²σ<sub>d</sub>² + ½σ<sub>d</sub>⁴))⁻¹ ]<sub>position</sub>",

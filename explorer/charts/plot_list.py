@@ -26,6 +26,8 @@ class Group(NamedTuple):
     plots: tuple[Plot, ...]
     describe: Callable[[Picture], tuple[str, ...]] | None = None
     """The sentences above the plots."""
+    compare: Callable[[Picture, Picture], tuple[str, ...]] | None = None
+    """Further sentences: on the pinned run A, and on how the run B on the page differs."""
     slow: bool = False
     """Drawn only when nothing changes: the slow groups take as long to compute as all others together."""
 
@@ -325,6 +327,7 @@ CONVERGENCE = Group(
         ),
     ),
     convergence.describe,
+    convergence.compare,
     slow=True,
 )
 GROUPS = (ERRORS, OBSERVABILITY, DEPTH, CONVERGENCE, TWIN, SIGNALS)

@@ -21,9 +21,12 @@ class GroupText:
     group: Group
     handle: GuiHtmlHandle
 
-    def draw(self, picture: Picture) -> None:
+    def draw(self, picture: Picture, comparison: Comparison) -> None:
         assert self.group.describe is not None
-        self._show(self.group.describe(picture))
+        sentences, a = self.group.describe(picture), comparison.pinned
+        if a is not None and self.group.compare is not None:
+            sentences += self.group.compare(a, picture)
+        self._show(sentences)
 
     def mark_outdated(self) -> None:
         """Say that the plots below belong to an earlier picture."""
@@ -72,7 +75,7 @@ class PlotPanel:
                 for chart in outdated:
                     chart.draw(picture, comparison)
                 for text in texts:
-                    text.draw(picture)
+                    text.draw(picture, comparison)
 
     def restyle(self, style: ChartStyle) -> None:
         """Draw all plots in another size."""

@@ -114,15 +114,15 @@ def accuracy(picture: Picture) -> Answer:
     predicted, wanted = analysis.lifted_end.position, f"wanted ±{quantity(needed.position_sigma, 'm')}"
     if not math.isfinite(predicted):
         at_this = " at this precision" if analysis.below_rounding else ""
-        summary = f"the ranges of one window do not determine the position{at_this}, {wanted}"
+        summary = f"the ranges of one window do not determine the position{at_this} ({wanted})"
         undetermined: Level = "mind" if analysis.below_rounding else "bad"
         return Answer(question="accuracy", level=undetermined, summary=summary, cure="repair", term="window accuracy")
     summary = f"±{quantity(predicted, 'm')} from one window of {significant(needed.window, 4)} s, {wanted}"
     reached = picture.summary.steady_position
     remembers = math.isfinite(reached) and reached * REMEMBERS < predicted and not picture.summary.diverged
     remark = (
-        f"The estimate is nearer, {quantity(reached, 'm')} off at the end: the observer remembers earlier windows and "
-        "its first guess, and one window alone knows neither."
+        f"At the end the estimate is off by {quantity(reached, 'm')} only: the observer also uses earlier ranges and "
+        "its initial guess, which the prediction from one window does not."
     )
     if analysis.verdict.word == "weak" and analysis.verdict.reason:  # larger than any error that says anything
         reason = (analysis.verdict.reason, *((remark,) if remembers else ()))

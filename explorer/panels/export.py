@@ -104,7 +104,7 @@ class ExportPanel:
         omitted = [PRINTED_LABELS[name] for name in NOT_IN_LINES if getattr(settings.printed, name)]
         note = f" The switches not in these lines: {', '.join(omitted)}." if omitted else ""
         code = f'<pre style="overflow-x:auto;user-select:all">{html.escape(lines)}</pre>'
-        text = f"Run them beside <b>{html.escape(file)}</b>, the preset file.{note}"
+        text = f"Run these lines in the folder that holds the preset file <b>{html.escape(file)}</b>.{note}"
         self._lines_block.content = f'<div style="{STYLE}">{code}{text}</div>'
         self._written = settings
         self._actions.download(f"{PurePath(file).stem}.py", lines.encode())

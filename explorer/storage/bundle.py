@@ -25,7 +25,7 @@ from rangenav.number_format import shortened
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, CancelledError, Progress
 
-OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
+OTHERWISE = "the switch “write files that miss the requirement, too”, above, writes it under a name with “uncertified”"
 NOTHING_CHOSEN = "no format is chosen: choose at least one above; “Download this preset” gives the preset alone"
 MARK = ".uncertified"
 VERIFY = "Verify all files where they are unpacked: rangenav verify FOLDER, or one of them: rangenav verify FILE"

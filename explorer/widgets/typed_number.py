@@ -18,7 +18,7 @@ def parse(text: str) -> float:
     plain = "".join(" " if unicodedata.category(letter) == "Zs" else letter for letter in text[: MAX_LENGTH + 1])
     plain = GROUPED.sub("", plain.strip().replace("\N{MINUS SIGN}", "-"))
     if len(text) > MAX_LENGTH or NUMBER.fullmatch(plain) is None:
-        quoted = f"“{text[:MAX_LENGTH]}” is no number" if text.strip() else "the box is empty"
+        quoted = f"“{text[:MAX_LENGTH]}” is not a number" if text.strip() else "the box is empty"
         point = f", or {plain.replace(',', '.')} with a point" if NUMBER.fullmatch(plain.replace(",", ".", 1)) else ""
         raise ValueError(f"{quoted}; a number is typed as 5000, 5e3 or 5{UNBROKEN}000{point}")
     value = float(plain)

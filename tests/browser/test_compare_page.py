@@ -12,7 +12,7 @@ def _wait_for_bands(visitor: Visitor, count: int) -> None:
 def test_a_pinned_run_stays_in_the_plots_while_a_gain_changes(wide: Visitor):
     wide.tab("Compare")
     wide.press("Pin this run as A")
-    wide.wait_for_text("Nothing is chosen otherwise yet.")
+    wide.wait_for_text("A and B have the same settings so far.")
     before = wide.chart_data("σ by P")
     assert any("A" in labels for labels in wide.chart_labels())
     assert before[1] == before[3]  # A lies on what it was pinned from

@@ -48,12 +48,12 @@ def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor)
     visitor.tab("Gains")
     visitor.folder("Start at a half turn")
     visitor.press("between m and g")
-    visitor.wait_for_text("The start is 0° from the nearest half turn")
+    visitor.wait_for_text("The start is 0° from the nearest undesired equilibrium")
     until(lambda: _error(visitor, "attitude")[0] > 179.9, "a start at 180°")
     assert visitor.number("initial attitude error (°)") == "180"
     assert max(_error(visitor, "attitude")[-20:]) < SETTLED
     visitor.press("almost: 1° off")
-    visitor.wait_for_text("The start is 1° from the nearest half turn")
+    visitor.wait_for_text("The start is 1° from the nearest undesired equilibrium")
     until(lambda: visitor.number("initial attitude error (°)") == "179", "the angle")
     until(lambda: 178.5 < _error(visitor, "attitude")[0] < 179.5, "a start at 179°")
 

@@ -16,7 +16,7 @@ def test_a_weight_is_typed_as_the_number_that_it_is_and_nothing_is_cut(visitor: 
         until(lambda: visitor.page.get_by_text(f"{WEIGHT} •").count() > 0, "a mark of the change")
         assert visitor.number(WEIGHT) == text
     visitor.type_number(WEIGHT, "5 00")  # no group of three digits
-    visitor.wait_for_text("is no number")
+    visitor.wait_for_text("is not a number")
     visitor.type_number(WEIGHT, "1e12")
     visitor.wait_for_text("range weight q must lie between 0.001 and 100000, got 1e12")
     visitor.page.evaluate(BLUR)

@@ -38,7 +38,7 @@ def standing(visitor: Editing) -> Iterator[Wire]:
         ("amplitude x (m)", math.nan, "amplitude x (m) must be a finite number"),
         ("amplitude x (m)", 1e300, "amplitude must"),
         ("amplitude x (m): number", "1e300", "amplitude must"),
-        ("amplitude x (m): number", "a lot", "amplitude x (m): “a lot” is no number"),
+        ("amplitude x (m): number", "a lot", "amplitude x (m): “a lot” is not a number"),
         ("frequency ω (rad/s)", -3.0, "frequency must lie between 1e-6 and 10000 rad/s, got -3"),
         ("frequency ω (rad/s)", 900.0, "faster than the IMU can sample"),
         ("phase φ₀ (rad)", math.inf, "phase φ₀ (rad) must be a finite number"),
@@ -56,18 +56,18 @@ def standing(visitor: Editing) -> Iterator[Wire]:
         ("gyro noise σ (rad/s)", math.nan, "gyro noise σ (rad/s) must be a finite number"),
         ("gyro noise σ (rad/s): number", "-1", "gyro noise σ must be 0, or lie between"),
         ("sensor set", "gold", "sensor set must be one of: paper, "),
-        ("gyro bias (rad/s)", [math.inf, 0.0, 0.0], "gyro bias (rad/s), x: “inf” is no number"),
+        ("gyro bias (rad/s)", [math.inf, 0.0, 0.0], "gyro bias (rad/s), x: “inf” is not a number"),
         ("accelerometer bias (m/s²)", [1e30, 0.0, 0.0], "accelerometer bias must not be longer than 100 m/s²"),
         ("range bias (m)", 1e9, "range bias must lie between -1000 and 1000 m"),
         ("outliers (%)", 100.0, "outliers (%) must lie between 0 and 99.9, got 100"),
         ("outlier size (m)", -1.0, "outlier size must lie between"),
         ("drop-outs (%)", math.nan, "drop-outs (%) must be a finite number"),
         ("silent from (s)", -1.0, "silent from must lie between 0"),
-        ("silent for (s)", math.inf, "silent for (s): “inf” is no number"),
+        ("silent for (s)", math.inf, "silent for (s): “inf” is not a number"),
         ("lever arm (m)", [0.0, 0.0, 1e6], "lever arm must not be longer than 100 m"),
         ("noise seed", -1.0, "noise seed must lie between"),
         ("noise seed", 0.5, "noise seed must be a whole number"),
-        ("noise seed", math.nan, "noise seed: “nan” is no number"),
+        ("noise seed", math.nan, "noise seed: “nan” is not a number"),
         ("range weight q (1/(m⁴ s))", 9.0, "range weight q must lie between 0.001 and 100000"),
         ("process noise V(p)", -9.0, "process noise V(p) must lie between"),
         ("initial variance P₀(g)", 9.0, "initial variance P₀(g) must lie between"),
@@ -78,7 +78,7 @@ def standing(visitor: Editing) -> Iterator[Wire]:
         ("initial attitude error (°)", 900.0, "initial attitude error (°) must lie between -180 and 180, got 900"),
         ("axis of the attitude error", [0.0, 0.0, 0.0], "axis of the attitude error must not be the zero vector"),
         ("axis of the attitude error", [0.0, "", 0.0], "axis of the attitude error, y: the box is empty"),
-        ("position offset (m)", [math.nan, 0.0, 0.0], "position offset (m), x: “nan” is no number"),
+        ("position offset (m)", [math.nan, 0.0, 0.0], "position offset (m), x: “nan” is not a number"),
         ("position offset (m)", [1e30, 0.0, 0.0], "position offset must not be longer than"),
         ("drift (m/s)", [0.0, 0.0, "1e999"], "drift (m/s), z: “1e999” is larger than any number"),
         ("preset", "nowhere", "preset must be one of"),
@@ -100,7 +100,7 @@ def test_two_wrong_boxes_are_both_named_over_the_scene_and_no_slider_jumps(stand
     before, typed = standing.value("range noise σ (m)"), standing.value("range noise σ (m): number")
     standing.set("range noise σ (m): number", "1e99")
     standing.set("flight duration (s)", "abc")
-    wrong = ("Range noise σ must be 0, or lie between", "Flight duration (s): “abc” is no number")
+    wrong = ("Range noise σ must be 0, or lie between", "Flight duration (s): “abc” is not a number")
 
     def named() -> bool:
         shown = [str(p.get("content")) for p in standing.elements.values() if p.get("visible")]

@@ -145,7 +145,7 @@ COMPARE = {
         meaning="An iterated smoother of the whole record, started by the observer: the best that all ranges allow.",
     ),
     "exactness": Term(
-        label="soon ⟷ exact w",
+        label="settle soon ⟷ err less, w",
         meaning="What the search of gains prefers: 0 settles soonest, 1 is most exact afterwards.",
         formula="J = (1 − w) ln(settling time) + w ln(steady error)",
     ),

@@ -77,7 +77,7 @@ class ComparePanel:
         self._build_pin(form, show_side_by_side)
         self._build_seeds(form)
         self._build_baselines(form)
-        section = Section(form, "Does P tell the truth?")
+        section = Section(form, "Is the covariance P right?")
         with section:
             self._consistency = form.gui.add_html("")
         form.command("Pin this run as A", self.pin)

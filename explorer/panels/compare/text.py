@@ -4,7 +4,7 @@ escaped."""
 import html
 from collections.abc import Iterable
 
-from explorer.model import palette
+from explorer.model import palette, side_by_side
 from explorer.model.comparison import Baseline
 from explorer.model.compute import Picture
 from explorer.model.consistency import RunConsistency
@@ -35,9 +35,9 @@ def nothing_pinned() -> str:
 def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) -> str:
     """The settings and the figures that differ between the pinned run A and the run B on the page."""
     first, second = _named("A", palette.PINNED), _named("B", palette.ESTIMATE)
-    head = f"{first} {_run(a)} {GREY.format('(pinned)')}<br>{second} {_run(b)} {GREY.format('(what you change)')}"
+    head = f"{first} {_run(a, b)} {GREY.format('(pinned)')}<br>{second} {_run(b, a)} {GREY.format('(on the page)')}"
     if not choices:
-        return BLOCK.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
+        return BLOCK.format(head + "<br>" + GREY.format("A and B have the same settings so far."))
     consequences = _list(figures) if figures else GREY.format("No figure changed by more than half a percent.")
     return BLOCK.format(
         f"{head}<div style='margin-top:.4em'>settings that differ:</div>{_list(choices)}"
@@ -127,13 +127,14 @@ def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int
     lines += _row(["σ predicted, lifted", *(quantity(result.lifted, "m") for result in results)])
     lines += _row(["σ predicted, nonlinear", *(quantity(result.cramer_rao, "m") for result in results)])
     text = (
-        "Bands here are of single values; many seeds have one of their mean, which is narrow."
+        "The bands are those of single values. The mean of many seeds has a narrower band."
         if of_seeds is None
         else f"The observer is {of_seeds.summary} (position, {count} seeds; their bands are of the mean)."
     )
     if not matched:
-        text += " With constant gains P follows from q and V, not from the noise: it promises nothing."
-    text += " Predictions know one window of ranges and perfect IMU; the observer also remembers what came before."
+        text += " With constant gains P follows from q and V and not from the noise, so it need not match the errors."
+    text += " The predictions use the ranges of one window and a perfect IMU."
+    text += " The observer has a noisy IMU, and it also uses earlier ranges."
     return BLOCK.format(TABLE.format(lines) + GREY.format(text))
 
 
@@ -146,8 +147,9 @@ def _blind(picture: Picture) -> bool:
     return picture.analysis.blind
 
 
-def _run(picture: Picture) -> str:
-    return f"{html.escape(picture.settings.origin or 'unnamed')}, noise seed {picture.preset.seed}"
+def _run(picture: Picture, other: Picture) -> str:
+    """The name of a run, as in the view side by side, and its noise."""
+    return f"{html.escape(side_by_side.title(picture, other) or 'unnamed')}, noise seed {picture.preset.seed}"
 
 
 def _list(sentences: list[str]) -> str:

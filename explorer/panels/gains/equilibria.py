@@ -101,8 +101,8 @@ class EquilibriaSection:
         self._nearest = int(np.argmin(angles))
         nearest = self._equilibria[self._nearest]
         degrees = round(math.degrees(angles[self._nearest]), 2)
-        line = f"The start is <b>{degrees:g}°</b> from the nearest half turn at which the filter stands still, the one "
-        line += f"about {axis_text(nearest.axis)}, {nearest.location}."
+        line = f"The start is <b>{degrees:g}°</b> from the nearest undesired equilibrium: an attitude error of a half "
+        line += f"turn about {axis_text(nearest.axis)}, {nearest.location}, where the filter stands still."
         if NOTE.format(line) != self._line.content:
             self._line.content = NOTE.format(line)
 

@@ -61,8 +61,10 @@ def rates(picture: Picture, units: GainUnits = "paper") -> str:
         for k1, constants in ends
     ]
     text = f"time constants of a small attitude error{printed}:{table((), rows)}"
-    weight = f"ρ2·|g|² = <b>{significant(gains.rho2 * gravity_squared)}</b> (|g|² = {gravity_squared:.1f})"
-    text += f"{weight} beside ρ1 = {significant(gains.rho1, DIGITS)}"
+    weight = f"weight of gravity ρ2·|g|² = <b>{significant(gains.rho2 * gravity_squared)}</b>"
+    text += (
+        f"{weight} with |g|² = {gravity_squared:.1f}; weight of the magnetometer ρ1 = {significant(gains.rho1, DIGITS)}"
+    )
     warning = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
     if warning is None:
         return NOTE.format(text)

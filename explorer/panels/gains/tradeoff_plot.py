@@ -79,7 +79,7 @@ def plot(axes: PlotAxes, tried: Iterable[Point], marked: MarkedPoints) -> str:
         _diamond(*pixel(marked.best)),
         _ring(*pixel(marked.picked)),
     ]
-    label = f"{axes.name}: error afterwards against settling time; {point_text(axes, marked.picked)} is picked"
+    label = f"{axes.name}: error once settled against settling time; {point_text(axes, marked.picked)} is picked"
     style = "display:block;width:100%;height:auto;overflow:visible"
     head = f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" style="{style}" fill="none" role="img" aria-label="{label}">'
     return f"{head}{''.join(parts)}</svg>"
@@ -89,11 +89,11 @@ def legend() -> str:
     """The legend of the signs."""
     named = (
         (_square(9, 7), "start"),
-        (_diamond(9, 7), "found"),
+        (_diamond(9, 7), "best for w"),
         (_ring(9, 7), "picked"),
-        (f'<circle cx="9" cy="7" r="3.2" fill="{BLUE}"/>', "to pick"),
-        ('<circle cx="9" cy="7" r="1.8" fill="currentColor" fill-opacity="0.5"/>', "tried"),
-        (f'<path d="M0 7h18" stroke="{BLUE}" stroke-width="1.5"/>', "none better in both"),
+        (f'<circle cx="9" cy="7" r="3.2" fill="{BLUE}"/>', "can be picked"),
+        ('<circle cx="9" cy="7" r="1.8" fill="currentColor" fill-opacity="0.5"/>', "other sets tried"),
+        (f'<path d="M0 7h18" stroke="{BLUE}" stroke-width="1.5"/>', "no set tried is better in both"),
     )
     style = "vertical-align:-2px;margin-right:2px;overflow:visible"
     entry = '<span style="white-space:nowrap"><svg width="18" height="14" fill="none" style="{}">{}</svg>{}</span>'
@@ -155,7 +155,7 @@ def _frame(axes: PlotAxes, across: Range, upwards: Range) -> str:
         lines.append(f"M{LEFT} {y:.1f}H{right}")
         numbers.append(f'<text x="{LEFT - 5}" y="{y + 3.5:.1f}" text-anchor="end">{significant(value)}</text>')
     names = (
-        f'<text x="0" y="12"><tspan font-weight="600">{axes.name}</tspan>: error afterwards ({axes.unit})</text>'
+        f'<text x="0" y="12"><tspan font-weight="600">{axes.name}</tspan>: error once settled ({axes.unit})</text>'
         f'<text x="{right}" y="{HEIGHT - 4}" text-anchor="end">settles after (s)</text>'
     )
     grid = f'<path d="{"".join(lines)}" stroke="currentColor" stroke-opacity="0.18"/>'

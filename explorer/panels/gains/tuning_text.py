@@ -71,7 +71,8 @@ def _verdict_text(tuned: Tuned, runs: int, held_out_change: float) -> str:
     if tuned.after is tuned.before:
         return f"<b>None of the {tried - 1} other gains tried did better</b> than those it began with."
     seeds = f"{runs} seeds" if runs > 1 else "one seed"
-    text = f"<b>The best of {tried} sets of gains</b> at w = {tuned.steadiness:g}, on {seeds}; “held out” on others."
+    text = f"<b>The best of {tried} sets of gains</b> at w = {tuned.steadiness:g}, on {seeds}."
+    text += f" The columns “held out” are of {'as many other seeds' if runs > 1 else 'another seed'}."
     if held_out_change > 0:
         text += (
             "<div>⚠ <b>Worse on held-out seeds</b>: these gains suit the noise they were found on. "
@@ -83,8 +84,10 @@ def _verdict_text(tuned: Tuned, runs: int, held_out_change: float) -> str:
 def _random_starts(tuned: Tuned) -> str:
     before, after = tuned.starts_before, tuned.starts_after
     sign = "⚠ " if after < before else ""
+    held, holds = round(before * STARTS), round(after * STARTS)
     return (
-        f"<div>{sign}Of {STARTS} random starts {before:.1%} hold 0.3 m and 5° at the end; now <b>{after:.1%}</b>.</div>"
+        f"<div>{sign}Of {STARTS} other runs, which begin at random, {held} keep within 0.3 m and 5° at the end with "
+        f"the gains before, and <b>{holds}</b> with the new ones.</div>"
     )
 
 

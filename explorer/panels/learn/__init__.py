@@ -280,7 +280,7 @@ class LearnPanel:
         self._commit_prediction(lesson.header.prediction.choices[k - 1])
 
     def predict(self, text: str) -> None:
-        """Commit a number as a person types it; what is no number gets a sentence."""
+        """Commit a number as a person types it; what is not a number gets a sentence."""
         lesson = self.lesson
         if lesson is None:
             return

@@ -178,7 +178,7 @@ class _Timing:
 def speed_sentence(speed: float) -> str:
     """What a speed other than 1 does to the excitation."""
     if speed == 1.0:
-        return "At speed 1 the path is run as it was designed."
+        return "Speed 1 is the speed of the preset."
     more, times = ("less", 1 / speed) if speed < 1 else ("more", speed)
     pace = f"{significant(times)} times as {'slow' if speed < 1 else 'fast'}"
     period, window = significant(times**7), significant(times**8)

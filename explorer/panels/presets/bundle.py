@@ -79,7 +79,9 @@ class BundlePanel:
             }
             self._ramp = Number(section, f"{RAMP_LABEL} (s)", hint=RAMP_HINT)
             self._ramp.show(formats.RAMP)
-            self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
+            self._even_uncertified = Switch(
+                section, "write files that miss the requirement, too", hint=UNCERTIFIED_HINT
+            )
             form.button("Export as a zip", self._export, hint=EXPORT_HINT)
             self._progress = ProgressPanel(form, jobs)
             self._result_line = form.gui.add_html("", visible=False)

@@ -13,6 +13,7 @@ from explorer.model import palette
 from explorer.model.certificate_text import certificate_sentence
 from explorer.storage.certifier import CertificateOrReason
 from explorer.widgets.html import escaped, folded, upper_first
+from rangenav.certificate import Certificate
 from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 
@@ -49,7 +50,9 @@ AXES = np.eye(3)
 
 def card(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> str:
     """The summary of a preset as it was opened, as HTML. None in place of a certificate: it is being computed."""
-    expected = "" if preset.source is not None else f"<b>{EXPECTED_TEXTS[preset.expect]}</b>"  # a file expects nothing
+    certified = isinstance(certificate_or_reason, Certificate) and certificate_or_reason.certified
+    known = certified or preset.source is not None  # the badge says it; and an imported file expects nothing
+    expected = "" if known else f"<b>{EXPECTED_TEXTS[preset.expect]}</b><br>"
     parts = (
         _badge(preset, certificate_or_reason),
         _story(preset),
@@ -158,12 +161,12 @@ def _figures(preset: Preset, certificate_or_reason: CertificateOrReason | None) 
         return ""
     excitation, sigma = certificate_or_reason.excitation, certificate_or_reason.accuracy.lifted.end.position
     requirement = preset.requirement
-    unit = f"m²/s⁷ over {requirement.window:g} s (required {significant(requirement.mu)})"
+    unit = f"m²/s⁷ over {quantity(requirement.window, 's', digits=4)} (required {significant(requirement.mu)})"
     if excitation.found is None:
-        mu = f"μ = 0 {unit}: nothing above rounding"
+        mu = f"μ = 0 {unit}: not above rounding errors"
     elif excitation.lower:
         mu = f"μ ≥ {significant(excitation.lower)} {unit}"
     else:
         mu = f"μ = {significant(excitation.found)} {unit}, on the evaluated windows"
     sigma_text = quantity(sigma, "m")
-    return f"<br>{mu}<br>predicted σ {sigma_text} (required {significant(requirement.position_sigma)} m)"
+    return f"{mu}<br>predicted σ {sigma_text} (required {significant(requirement.position_sigma)} m)"

@@ -12,6 +12,7 @@ import msgspec
 
 from explorer.model.jobs import Jobs
 from explorer.panels.presets.repair_text import noise_text
+from explorer.panels.world.vehicle import NO_LIMITS
 from explorer.storage import import_process
 from explorer.storage.catalog import Catalog
 from explorer.storage.import_file import ImportFile, Interpretation, guess, is_binary, is_preset_or_zip
@@ -28,7 +29,7 @@ from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 from rangenav.vehicle import CATALOGUE, FREE
 
-VEHICLES = {one: "No limits" if one == FREE else one.name for one in CATALOGUE}
+VEHICLES = {one: NO_LIMITS if one == FREE else one.name for one in CATALOGUE}
 VEHICLE_HINT = "The vehicle whose limits the imported path is compared with. It can be changed later, in the World tab."
 TABS = (
     "change the anchor in the World tab, δ and the duration in the Motion tab, and the range noise in the Sensors tab"

@@ -16,8 +16,8 @@ from explorer.widgets.section import Section
 from rangenav.number_format import significant
 
 EQUILIBRIA_NOTE = (
-    "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
-    "The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
+    "There is no switch for the undesired equilibria. They are printed as I − 2uuᵀ, whose determinant is −1, so no "
+    "attitude can be there. The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
 )
 TURNING_HOVER = "turning-hover"
 FALSE_CERTIFICATE = "Printed against derived, on a hover"
@@ -87,7 +87,7 @@ class _MisprintSwitch:
 
 
 def _model(picture: Picture) -> str:
-    error = f"position error over the last quarter: {significant(picture.summary.steady_position)} m"
+    error = f"the mean position error over the last quarter is {significant(picture.summary.steady_position)} m"
     if picture.settings.printed.model:
         return f"On: ξ₄ is fed a third of what it should be; {error}, and it never converges."
     return f"Off: {error}."
@@ -114,13 +114,13 @@ def _printed_mu(picture: Picture, on: bool) -> str:
 def _reduced_row(picture: Picture) -> str:
     derived = _or_zero(picture.analysis.reduced_min, picture.analysis.reduced_floor)
     if not picture.settings.printed.reduced_row:
-        return f"Off: the reduced pair's least eigenvalue is {derived} (SI)."
+        return f"Off: the least eigenvalue of the reduced pair is {derived}, in SI units."
     printed = significant(picture.reduced_min)
-    return f"On: the reduced pair's least eigenvalue reads {printed}; the derived one is {derived} (SI)."
+    return f"On: the least eigenvalue of the reduced pair is {printed}; the derived one is {derived}, in SI units."
 
 
 def _or_zero(value: float, floor: float) -> str:
-    return significant(value) if value >= floor else "0 (below the noise floor)"
+    return significant(value) if value >= floor else "0 within rounding errors"
 
 
 def _initial_values(picture: Picture) -> str:
@@ -133,8 +133,8 @@ def _initial_values(picture: Picture) -> str:
 
 def _attitude_rate(picture: Picture) -> str:
     slowest = picture.attitude_time_constants[0]
-    state = "On: the slowest reads" if picture.settings.printed.attitude_rate else "Off: the slowest is"
-    return f"{state} {significant(slowest)} s."
+    state = "On" if picture.settings.printed.attitude_rate else "Off"
+    return f"{state}: the slowest time constant of a small attitude error is {significant(slowest)} s."
 
 
 MISPRINTS = {

@@ -11,7 +11,7 @@ from rangenav import vehicle
 from rangenav.number_format import significant
 from rangenav.vehicle import CATALOGUE, Vehicle
 
-NO_LIMITS = "No limits"
+NO_LIMITS = "any vehicle, no limits"
 """What the menu calls the vehicle that has none."""
 CELL = "padding:0.1em 0.5em 0.1em 0;white-space:nowrap"
 BAR = (

@@ -257,7 +257,7 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
     [
         ("number of axes", 0, "number of axes must be a whole number between 1 and"),
         ("number of axes", 2.5, "number of axes must be a whole number between 1 and"),
-        ("number of axes", math.nan, "number of axes: “nan” is no number"),
+        ("number of axes", math.nan, "number of axes: “nan” is not a number"),
         ("number of axes", 1e300, "number of axes must be a whole number between 1 and"),
         (ANGLE, 200.0, f"{ANGLE} must lie"),
         (ANGLE, math.nan, f"{ANGLE} must be a finite"),

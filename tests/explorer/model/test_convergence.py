@@ -24,7 +24,30 @@ def test_a_blind_motion_has_no_rate_and_says_why():
     p = replace(preset.load("circle"), gains=Gains())
     settled, rate = convergence.sentences(convergence.convergence(p), record.run(p).summary)
     assert settled.startswith("Without noise the position error does not settle below 0.3 m.")
-    assert rate == "No rate for good: P does not become periodic: on this motion some error does not fade."
+    assert rate.startswith("There is no rate in the long run: P does not become periodic: on this motion some error")
+
+
+def test_of_two_runs_the_sentences_say_which_settles_sooner_and_which_fades_faster():
+    paper, blind = (convergence.convergence(replace(preset.load(name), gains=Gains())) for name in ("paper", "circle"))
+    weak = replace(preset.load("paper"), gains=Gains(riccati=replace(Gains().riccati, q=50.0)))
+    slow = convergence.convergence(weak)
+    assert paper is not None
+    assert slow is not None
+    assert slow.dynamics.settle_s is None or slow.dynamics.settle_s > (paper.dynamics.settle_s or 0.0)
+    settles, fades = convergence.which_is_faster(slow, paper)
+    assert settles.startswith("Without noise B settles ")
+    assert settles.endswith((" sooner.", "the other one does not."))
+    assert fades.endswith(" times as fast in B.")
+    assert convergence.which_is_faster(paper, slow)[1] == fades.replace("in B.", "in A.")
+    assert convergence.which_is_faster(blind, paper) == (
+        "Without noise B settles and the other one does not.",
+        "In the long run the slowest part of an error fades in B only.",
+    )
+    assert convergence.which_is_faster(paper, paper) == (
+        "Without noise A and B settle at the same time.",
+        "In the long run the slowest part of an error fades equally fast in A and B.",
+    )
+    assert convergence.which_is_faster(None, paper) == ()
 
 
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])

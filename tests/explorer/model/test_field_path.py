@@ -1,4 +1,4 @@
-"""One number of some settings by its path: what is read is what was put there, and what is no number has a sentence."""
+"""One number of some settings by its path: what is read is what was put there, and no other value is taken."""
 
 import pytest
 

@@ -76,7 +76,7 @@ def test_the_box_of_a_dial_follows_its_slider(section: Section):
 def test_of_slider_and_box_the_one_moved_last_counts_also_after_nonsense(section: Section):
     dial = Dial(section, "angle", (-180.0, 180.0), step=0.1, hint="", scale=math.degrees(1.0))
     dial.type("ninety")
-    with pytest.raises(ValueError, match="angle: “ninety” is no number"):
+    with pytest.raises(ValueError, match="angle: “ninety” is not a number"):
         dial.read()
     dial.mark()
     assert dial.text == "ninety"
@@ -143,7 +143,7 @@ def test_a_box_of_a_vector_that_holds_no_number_is_named_by_its_axis(section: Se
     vector.show((1.0, 2.0, 3.0))
     assert vector.texts == ("2", "4", "6")
     vector.type("y", "2 m")
-    with pytest.raises(ValueError, match=r"v \(m\), y: “2 m” is no number"):
+    with pytest.raises(ValueError, match=r"v \(m\), y: “2 m” is not a number"):
         vector.read()
     vector.type("y", "8")
     assert vector.read() == (1.0, 4.0, 3.0)

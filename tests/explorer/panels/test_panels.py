@@ -265,12 +265,16 @@ def test_printed_switches_that_are_on_are_labelled():
 @pytest.mark.parametrize(
     ("switch", "off", "on"),
     [
-        ("model", "Off: position error", "never converges"),
+        ("model", "Off: the mean position error", "never converges"),
         ("excitation", "Off: μ = ", "On: μ reads"),
-        ("reduced_row", "Off: the reduced pair", "On: the reduced pair"),
+        (
+            "reduced_row",
+            "Off: the least eigenvalue of the reduced pair",
+            "On: the least eigenvalue of the reduced pair",
+        ),
         ("body_axes", "Off: μ = ", "On: μ reads"),
         ("initial_values", "follow from the formula", "drifts away"),
-        ("attitude_rate", "Off: the slowest is", "On: the slowest reads"),
+        ("attitude_rate", "Off: the slowest time constant", "On: the slowest time constant"),
     ],
 )
 def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):

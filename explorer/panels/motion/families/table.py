@@ -64,5 +64,5 @@ def _number(cell: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or "_" in cell:
-        raise ValueError(f"“{cell[:MAX_QUOTE]}” is no number")
+        raise ValueError(f"“{cell[:MAX_QUOTE]}” is not a number")
     return value

@@ -51,7 +51,7 @@ def test_a_pinned_run_is_in_every_plot_until_it_is_unpinned(comparing: tuple[Wir
     most = len(labels(session)) - 1  # the motion has no twin, so one plot of the twin has no curve
     tab.press("Pin this run as A")
     tab.wait_for(lambda: sum(any(name.startswith("A") for name in shown) for shown in labels(session)) >= most, "A")
-    tab.wait_for_text("Nothing is chosen otherwise yet.")
+    tab.wait_for_text("A and B have the same settings so far.")
     pinned = panel(session).pinned
     tab.set("range weight q (1/(m⁴ s))", 0.0)
     tab.wait_for(lambda: "Range weight q: 5000 → 1" in page_text(tab), "what was chosen otherwise")
@@ -65,7 +65,7 @@ def test_pinning_is_no_step_of_the_history(comparing: tuple[Wire, Session]):
     tab, session = comparing
     depth = session.history.depth
     tab.press("Pin this run as A")
-    tab.wait_for_text("Nothing is chosen otherwise yet.")
+    tab.wait_for_text("A and B have the same settings so far.")
     assert session.history.depth == depth
 
 
@@ -125,7 +125,7 @@ def test_a_nonsense_number_of_seeds_gets_a_sentence(comparing: tuple[Wire, Sessi
     tab.set("runs", value)
     time.sleep(PRESS)
     tab.press("Run the noise seeds")
-    rule = "must be a whole number between 1 and 100" if math.isfinite(value) else "is no number"
+    rule = "must be a whole number between 1 and 100" if math.isfinite(value) else "is not a number"
     tab.wait_for_text(rule)
     assert session.jobs.running is None
 

@@ -153,7 +153,7 @@ def test_a_number_is_predicted_as_a_person_types_it_and_nonsense_gets_a_sentence
     while "Your prediction" not in learning.learn.content:
         learning.learn.actions["lesson-next"]()
     learning.learn.predict("a lot")
-    assert "“a lot” is no number" in learning.learn.content
+    assert "“a lot” is not a number" in learning.learn.content
     learning.learn.predict("1e1")
     learning.learn.actions["lesson-back"]()
     assert "You predicted: <b>10" in learning.learn.content

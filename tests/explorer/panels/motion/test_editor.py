@@ -110,9 +110,9 @@ def test_a_hostile_formula_gets_a_sentence_within_a_second_and_the_picture_stays
         ("\n".join(f"{k} 0 0 {k % 3}" for k in range(10_000)), "at most 5000 lines"),
         ("\n".join(f"{k * 0.01:.2f} 0 0 {k % 3}" for k in range(3000)), "2 to 2000 waypoints"),
         ("0 0 0\n1 1 1 1", "line 1: expected 4 numbers"),
-        ("0 0 0 0\n1 nan 1 1", "line 2: “nan” is no number"),
+        ("0 0 0 0\n1 nan 1 1", "line 2: “nan” is not a number"),
         ("0 0 0 0\n1 1e300 1 1", "line 2: value must lie between"),
-        ("0 0 0 0\n1 x 1 1", "line 2: “x” is no number"),
+        ("0 0 0 0\n1 x 1 1", "line 2: “x” is not a number"),
         ("7" * 1_000_000, "250000 characters"),
     ],
 )
@@ -281,7 +281,7 @@ def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(e
     assert np.allclose((box.max(axis=0) + box.min(axis=0)) / 2, (1, 2, 3), atol=1e-3)
     editing.set("size factor", math.nan)
     editing.press("", "scale")
-    assert any("size factor: “nan” is no number" in complaint for complaint in editing.refusals())
+    assert any("size factor: “nan” is not a number" in complaint for complaint in editing.refusals())
 
 
 def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be_measured(editing: Editing):
