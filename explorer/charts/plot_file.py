@@ -35,6 +35,8 @@ METADATA: dict[PictureFormat, dict[str, None]] = {"svg": {"Date": None}, "png": 
 FILL_OPACITY = int(palette.FILL, 16) / 255
 """Opacity of the area below a filled curve, as on the page."""
 LOGARITHMIC = "log axis"
+PINNED = "A"
+"""What the labels of the pinned run's curves begin with."""
 LINE_HEIGHT, COLUMNS, CELL, SENTENCE = 0.19, (0.012, 0.19, 0.6), 62, 165
 """Of the words above two plots: inches of a line, the left ends of its columns by the picture's width, and the most
 characters of a cell and of a line of the sentence."""
@@ -175,11 +177,16 @@ def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> str:
     time, values, (bottom, top) = drawing.time, drawing.drawn[:, column], drawing.axis
     dashes = (0, curve.dash) if curve.dash else "solid"
     reason = "" if np.any((values >= bottom) & (values <= top)) else _why_unseen(drawing.values[:, column])
-    label = curve.label if curve.label and not reason else f"_{curve.name}"  # those with _ are not in the legend
+    label = _in_legend(curve.label) if curve.label and not reason else f"_{curve.name}"  # with _ it is in no legend
     axes.plot(time, values, label=label, color=curve.color, linewidth=curve.width, linestyle=dashes)
     if curve.filled:
         axes.fill_between(time, values, bottom, color=curve.color, alpha=FILL_OPACITY, linewidth=0)
     return reason
+
+
+def _in_legend(label: str) -> str:
+    """A label for who has the file alone: the page says what A is, and the file must."""
+    return f"{label} (pinned run)" if label.split()[0] == PINNED else label
 
 
 def _why_unseen(values: Array) -> str:
@@ -202,7 +209,7 @@ def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> Non
     axes.set_title(plot.title, loc="left", fontsize="medium", fontweight="bold")
     axes.set_xlabel(_named(plot.x_name, "s"))
     unit = plot.unit.partition(f", by {plot.x_name}")[0]
-    axes.set_ylabel(_joined(unit, LOGARITHMIC) if plot.log else unit)
+    axes.set_ylabel(_named(unit, LOGARITHMIC) if plot.log else unit)
 
 
 def _name(curve: Curve) -> str:

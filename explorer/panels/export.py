@@ -71,7 +71,7 @@ class ExportPanel:
             )
             self._progress = ProgressPanel(form, self._jobs)
         with Section(form, "The motion as a file to fly"):
-            form.button("Show the certified files", partial(actions.go_to, FLY), hint=FLY_HINT, quiet=True)
+            form.button("Show the certified files", partial(actions.go_to, FLY), hint=FLY_HINT)
         with Section(form, "The same in Python"):
             form.buttons("", {"Download Python": self._lines, "Download preset": self._preset}, hint=LINES_HINT)
             self._lines_block = form.gui.add_html("")

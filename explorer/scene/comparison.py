@@ -29,7 +29,7 @@ class ComparisonNodes:
     """The nodes /pinned, /pinned_path, /pinned_trail and one path for each other estimator."""
 
     def __init__(self, scene: SceneApi, labels: Labels) -> None:
-        self._ghost = Vehicle(scene, labels, "pinned", palette.PINNED, opacity=0.35, rank=5, text="A")
+        self._ghost = Vehicle(scene, labels, "pinned", palette.PINNED, opacity=0.35, rank=5, text="A, pinned")
         self._path = _line(scene, "/pinned_path", palette.rgb(palette.PINNED), PATH_THICKNESS)
         self._trail = _line(scene, "/pinned_trail", palette.rgb(palette.PINNED), TRAIL_THICKNESS)
         self._estimators: dict[Name, LineSegmentsHandle] = {

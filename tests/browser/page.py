@@ -71,7 +71,9 @@ UNDRAWN = """(() => {
     if (window.WebGL2RenderingContext) for (const name of draws) WebGL2RenderingContext.prototype[name] = () => {};
 })()"""
 """A scene that no test looks at is computed and not drawn: a software renderer takes a third of all time for it."""
-WRITTEN = "document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || '')"
+WRITTEN = """(document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || ''))
+    .replaceAll('\\u00a0', ' ')"""
+"""What a reader reads: a no-break space is a space."""
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"

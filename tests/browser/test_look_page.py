@@ -111,6 +111,7 @@ def test_every_text_in_big_type_can_be_read_from_the_back_of_a_room(
         projected.tab(tab)
         is_legible(projected, tab)
     assert page.evaluate(ROWS_OF_TABS) == 1
+    assert page.evaluate("window.rnLabels") >= 2  # the labels' letters and their ground follow the page's colours
     projected.press("All answers")
     is_legible(projected, "the verdict unfolded")
     projected.press("All answers")

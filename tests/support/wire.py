@@ -18,6 +18,7 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from explorer.widgets.vector import AXES, box_label
+from rangenav.number_format import UNBROKEN
 
 CAMERA = {
     "type": "ViewerCameraMessage",
@@ -201,9 +202,10 @@ class Wire:
         return shown, *(self.value(box_label(label, axis)) for axis in AXES[1:])
 
     def text(self) -> str:
-        """All text of the page that is shown, as HTML or markdown."""
+        """All text of the page that is shown, as HTML or markdown; a no-break space is read as a space."""
         shown = [p for p in list(self.elements.values()) if p.get("visible", True)]
-        return "\n".join(str(p.get("content") or p.get("_markdown") or "") for p in shown)
+        text = "\n".join(str(p.get("content") or p.get("_markdown") or "") for p in shown)
+        return text.replace(UNBROKEN, " ")
 
     def wait_for(self, holds: Callable[[], Any], what: str, timeout: float = WAIT_TIMEOUT) -> None:
         """Wait until the condition `holds`. Raises AssertionError after a time-out."""

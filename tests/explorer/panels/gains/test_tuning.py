@@ -414,7 +414,7 @@ def test_the_pinned_run_stays_with_another_preset_if_the_visitor_keeps_it(editin
     editing.press("Pin this run as A")
     editing.set("keep A with another preset", True)
     editing.set("preset", f"{preset.load('hover').title} (hover)")
-    editing.tab.wait_for_text("A</b> paper-slow")
+    editing.tab.wait_for_text("path, four times slower, noise seed")
     pinned = editing.session.dock.compare.pinned
     assert pinned is not None
     assert pinned.settings.origin == "paper-slow"

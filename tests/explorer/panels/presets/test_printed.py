@@ -16,7 +16,7 @@ def test_one_button_shows_the_printed_condition_beside_the_derived_one(editing: 
         "Settings that differ (A → B): Printed signal φ: on → off; Excitation in body axes: on → off"
     )
     text = editing.tab.text()
-    unit = "\N{NO-BREAK SPACE}m²/s⁷ (required: 1)"
+    unit = " m²/s⁷ (required: 1)"
     assert f"<td>✓ holds: printed μ 16{unit}, so it calls this motion observable</td>" in text
     assert f"<td>✕ fails: derived μ 0{unit}</td>" in text
     assert "not steady: " in text  # both observers have diverged
