@@ -44,9 +44,9 @@ VERDICT = {
     "window accuracy": Term(
         label="best error from one window",
         unit="m",
-        meaning="The 1-σ position error that the ranges of one window allow, without an initial guess.",
+        meaning="The 1-σ position error that the ranges of one window allow, with a perfect IMU and no initial guess.",
         formula="√tr of the position block of σ²W⁻¹ (Cramér–Rao)",
-        advice="The observer also uses earlier windows, so it may be nearer.",
+        advice="The observer also uses earlier windows, so it may be nearer; its IMU has noise, so it may be farther off.",
     ),
     "wanted error": Term(
         label="position error wanted",
