@@ -46,7 +46,7 @@ VERDICT = {
         unit="m",
         meaning="The 1-σ position error that the ranges of one window allow, with a perfect IMU and no initial guess.",
         formula="√tr of the position block of σ²W⁻¹ (Cramér–Rao)",
-        advice="The observer also uses earlier windows, and may be nearer; its IMU has noise, and it may be farther.",
+        advice="The observer also uses earlier windows, and has a noisy IMU.",
     ),
     "wanted error": Term(
         label="position error wanted",
