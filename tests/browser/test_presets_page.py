@@ -131,8 +131,8 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     visitor.wait_for_text("• the rank is 11 of 13")
     visitor.wait_for_text("add for example a tone of")
     visitor.press("Make it observable")
-    visitor.wait_for_text("before (A)")
-    assert BLIND in visitor.text()
+    visitor.wait_for_text("Proposed, green in the scene")
+    visitor.wait_for_text(BLIND)
     visitor.press("Accept the motion")
     visitor.wait_for_no_text(BLIND)
     visitor.wait_for_no_text("add for example a tone of")  # said of what is no longer on the page
