@@ -29,6 +29,8 @@ SCALE, BIG_SCALE = 0.95, 1.6
 """viser's scale of the text, and with big type: 12 px times this."""
 LINE, CHARACTER, PADDING = 15.0, 6.6, 5.0
 """px at scale 1: height of a line, mean width of a character, and the margin around the text. viser reports none."""
+GAP = 6.0
+"""px between two labels in one line."""
 SHIFTS: dict[str, float] = {"left": 0.5, "center": 0.0, "right": -0.5}
 LIFTS: dict[str, float] = {"bottom": -0.5, "center": 0.0, "top": 0.5}
 
@@ -42,9 +44,9 @@ class Box(NamedTuple):
     half_height: float
 
     def meets(self, other: "Box") -> bool:
-        """Whether two rectangles share a point."""
+        """Whether two rectangles share a point, or lie so near in one line that their texts read as one."""
         return (
-            abs(self.x - other.x) < self.half_width + other.half_width
+            abs(self.x - other.x) < self.half_width + other.half_width + GAP
             and abs(self.y - other.y) < self.half_height + other.half_height
         )
 
