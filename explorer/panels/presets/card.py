@@ -34,7 +34,9 @@ EXPECTED_TEXTS = {
     "weak": "▲ expected weak",
     "unobservable": "✕ expected unobservable",
 }
-CHANGED = "Changed since it was opened. The verdict over the scene judges what is on the page; saving or exporting certifies it."
+CHANGED = (
+    "Changed since it was opened. The verdict over the scene is about this motion; saving or exporting certifies it."
+)
 DIMMED = f"color:{palette.CAPTION_TEXT}"
 LINE = f'<polyline points="{{}}" fill="none" stroke="{palette.THUMBNAIL_LINE}" stroke-width="1.5"'
 LINE += ' stroke-linejoin="round"/>'
