@@ -66,6 +66,10 @@ class Scene:
         """Where the visitor has dragged the evil twin since the last call (m, inertial frame); None if nowhere."""
         return self._twin.take_drag()
 
+    def look_again(self) -> None:
+        """Look at the path as at first."""
+        self._view.look_again()
+
     def instruct(self, on: bool) -> None:
         """Whether labels say what a visitor may do; a picture in a file says what it shows alone."""
         self._twin.instruct(on)

@@ -89,6 +89,11 @@ class View:
         self._framed = bounds
         self._look(bounds)
 
+    def look_again(self) -> None:
+        """Look at path and anchor as at first, wherever the visitor has moved the camera."""
+        if self._framed is not None:
+            self._look(self._framed)
+
     def look_from(self, position: Float[Array, "3"], target: Float[Array, "3"], bounds: SceneBounds) -> None:
         """Look from a place at a point (m), as somebody else does; the path is not framed anew for that."""
         self._framed = bounds

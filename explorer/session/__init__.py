@@ -181,6 +181,7 @@ class Session:
         scene = Scene(client, self._wake.set)
         exporting = add_export_tab(client, self.dock, self.charts, scene, self._playback, self._outgoing, actions.go_to)
         self.form.command("Show all curves", self.charts.show_all_curves)
+        self.form.command("First view of the scene (camera)", scene.look_again, step=False)
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)

@@ -135,6 +135,9 @@ def test_camera_frames_the_first_path_and_a_much_larger_one_but_not_while_it_is_
     first = np.array(page.camera.position)
     scene.draw(picture("soft"))  # about as large, and in the same place
     assert np.array_equal(page.camera.position, first)
+    page.camera.position = np.array([90.0, 0.0, 0.0])  # by a visitor
+    scene.look_again()
+    assert np.allclose(page.camera.position, first)
     page.camera.update_timestamp = clock.time()
     scene.draw(picture("line"))
     assert np.array_equal(page.camera.position, first)
