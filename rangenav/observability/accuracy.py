@@ -93,15 +93,15 @@ class FourAccuracies:
     @cached_property
     def lifted_start(self) -> Accuracy:
         """Of the lifted problem at the window's start."""
-        return NOTHING if self.samples is None else self._lifted(self._remainders)
+        if self.samples is None:
+            return NOTHING
+        start = gramian_rank.at_other_end(self._remainders, self.samples, self.world.gravity, self._weight)
+        return self._lifted(start)
 
     @cached_property
     def lifted_end(self) -> Accuracy:
         """Of the lifted problem at the window's end."""
-        if self.samples is None:
-            return NOTHING
-        end = gramian_rank.at_other_end(self._remainders, self.samples, self.world.gravity, self._weight)
-        return self._lifted(end)
+        return NOTHING if self.samples is None else self._lifted(self._remainders)
 
     @cached_property
     def nonlinear_start(self) -> Accuracy:
@@ -115,9 +115,9 @@ class FourAccuracies:
 
     @cached_property
     def _remainders(self) -> Remainders:
-        """Of the states at the start: one decomposition serves both ends."""
+        """Of the states at the end: one decomposition serves both ends."""
         assert self.samples is not None
-        return gramian_rank.of(self.samples, self.world.gravity, self._weight, "start")
+        return gramian_rank.of(self.samples, self.world.gravity, self._weight, "end")
 
     @property
     def _weight(self) -> Float[Array, "w k"]:

@@ -95,9 +95,8 @@ def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment:
     turn, fall = _turn(gravity)
     turned = _turned(samples, turn)
     fit = _fit(turned)
-    R = rows.factors(
-        turned, weight, ((inside, _columns(some, fit.some(inside), fall)) for inside, some in rows.parts(turned))
-    )
+    made = ((inside, _columns(some, fit.some(inside), fall)) for inside, some in rows.parts(turned))
+    R = rows.factors(turned, weight, made)
     if R.shape[1] < STATES:  # fewer rows than columns: rows of zeros tell nothing
         R = np.pad(R, ((0, 0), (0, STATES - R.shape[1]), (0, 0)))
     return _with_departure(turned, fit.cubic, R, weight, turn, fall, moment)

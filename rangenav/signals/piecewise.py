@@ -136,7 +136,7 @@ def bound(curve: Pieces, order: int) -> float:
     """A bound on the derivative's norm at every t; infinite if a lower one jumps, as no number bounds its rate."""
     lower = range(min(order, len(curve.tables)))
     largest = np.linalg.norm(jumps(curve, lower), axis=-1).max(axis=0)
-    if any(size > JUMP_ROUNDING * hull(curve, k) for k, size in zip(lower, largest, strict=True)):
+    if not all(is_rounding(curve, k, size) for k, size in zip(lower, largest.tolist(), strict=True)):
         return math.inf
     return hull(curve, order) if order < len(curve.tables) else 0.0
 
@@ -150,8 +150,9 @@ def is_rounding(curve: Pieces, order: int, jump: float) -> bool:
     return jump <= JUMP_ROUNDING * float(corners.max()) or jump <= JUMP_ROUNDING * hull(curve, order)
 
 
+@lru_cache(maxsize=64)
 def hull(curve: Pieces, order: int) -> float:
-    """The largest norm of any Bernstein coefficient of the derivative."""
+    """The largest norm of any Bernstein coefficient of the derivative; cached by the identity of the pieces."""
     return float(_hull_of_each(curve, order).max())
 
 
