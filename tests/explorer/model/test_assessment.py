@@ -95,7 +95,7 @@ def test_an_estimate_better_than_one_window_is_explained_and_the_explanation_has
     given = answers(with_preset(requirement=replace(SETTINGS.preset.requirement, position_sigma=0.5)))["accuracy"]
     assert given.level == "mind"
     assert "±1.81" in given.summary
-    assert "0.118 m off" in given.remarks[0]
+    assert "off by 0.118 m" in given.remarks[0]
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "hover", "wiggle"])
