@@ -38,6 +38,7 @@ settings.register_profile("gate", deadline=None, derandomize=True, max_examples=
 settings.load_profile("gate" if os.environ.get("CI") else "developer")
 
 gc.disable()  # until all tests are collected: nothing of what is made there goes away
+gc.set_threshold(10_000, 20, 20)  # arrays are freed by their count of references; cycles are few and small
 
 jaxtyping.jaxtyped = shape_checker.sampled  # the hook writes this name above every function
 jaxtyping.install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
