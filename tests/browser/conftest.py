@@ -49,16 +49,16 @@ def wide_page(server: Server, browser: Browser) -> Iterator[Visitor]:
 
 
 @pytest.fixture
-def visitor(narrow_page: Visitor) -> Iterator[Visitor]:
+def visitor(narrow_page: Visitor, request: pytest.FixtureRequest) -> Iterator[Visitor]:
     """That page with the first preset as it is shipped; it must not complain."""
-    narrow_page.begin_anew()
+    narrow_page.begin_anew(request.session.testsfailed)
     yield narrow_page
     assert narrow_page.complaints == []
 
 
 @pytest.fixture
-def wide(wide_page: Visitor) -> Iterator[Visitor]:
+def wide(wide_page: Visitor, request: pytest.FixtureRequest) -> Iterator[Visitor]:
     """That page with all plots on view, with the first preset as it is shipped; it must not complain."""
-    wide_page.begin_anew()
+    wide_page.begin_anew(request.session.testsfailed)
     yield wide_page
     assert wide_page.complaints == []

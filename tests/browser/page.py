@@ -165,21 +165,24 @@ class Visitor:
         computed."""
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
-        self._says, self._alone, self._new = says, beside is None, True
+        self._says, self._alone, self._new, self._failures = says, beside is None, True, 0
         size, scale = ViewportSize(width=width, height=height), density
-        context = beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
-        context.add_init_script(FEW_FRAMES)
-        if density < 1:
-            context.add_init_script(ONE_SAMPLE)
-        if not drawn:
-            context.add_init_script(UNDRAWN)
-        if welcomed:
-            context.add_init_script(WELCOMED)
+        chosen = ((FEW_FRAMES, True), (ONE_SAMPLE, density < 1), (UNDRAWN, not drawn), (WELCOMED, welcomed))
+        self._scripts = [script for script, wanted in chosen if wanted]
+        self._context = lambda: (
+            beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
+        )
+        self.url = url
+        self._open()
+
+    def _open(self) -> None:
+        context = self._context()
+        for script in self._scripts:
+            context.add_init_script(script)
         self.page: Page = context.new_page()
         self.page.on("console", self._listen)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.url = url
-        self.page.goto(url)
+        self.page.goto(self.url)
         self.wait_until_drawn()
 
     def _listen(self, message: ConsoleMessage) -> None:
@@ -196,8 +199,16 @@ class Visitor:
         self.page.reload()
         self.wait_until_drawn()
 
-    def begin_anew(self) -> None:
-        """The first preset as it is shipped, at its start, whatever an earlier test has left; on a new page the tab."""
+    def begin_anew(self, failures: int = 0) -> None:
+        """The first preset as it is shipped, at its start, whatever an earlier test has left; on a new page the tab.
+
+        `failures`: how many tests have failed so far. After one more the page is a new one, for anything may be open.
+        """
+        if failures != self._failures:
+            self.close()
+            self._new, self._failures = True, failures
+            self._open()
+            self.dismiss_notifications()
         self.complaints.clear()
         if self._new:
             self._new = False
