@@ -85,11 +85,15 @@ def student(server: Server, browser: Browser) -> Iterator[Visitor]:
     tab.close()
 
 
+FOOT = "document.querySelector('.rn-lesson-foot > span')?.textContent ?? 'list'"
+"""Which screen of how many is shown. (The text of a screen changes also when its figures have been computed.)"""
+
+
 def press(page: Page, label: str) -> None:
-    """Press a button of the lesson, and wait until the session has answered with another screen or text."""
-    before = page.locator(".rn-lesson").inner_html()
+    """Press a button of the lesson that leads to another screen, and wait for it."""
+    before = page.evaluate(FOOT)
     page.locator(".rn-lesson button", has_text=label).first.click()
-    page.wait_for_function("before => document.querySelector('.rn-lesson')?.innerHTML !== before", arg=before)
+    page.wait_for_function(f"before => document.querySelector('.rn-lesson') && ({FOOT}) !== before", arg=before)
 
 
 def begin(student: Visitor, lesson: Lesson) -> None:
