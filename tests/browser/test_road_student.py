@@ -5,7 +5,7 @@ Every click, and every number that is typed, is an action; at most twelve lead t
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.page import Server, Visitor
+from tests.browser.page import COARSE, Server, Visitor
 
 MOST = 12
 
@@ -35,7 +35,7 @@ class Student:
 
 @pytest.fixture
 def visitor(server: Server, browser: Browser):
-    tab = Visitor(browser, server.url, says="observable")
+    tab = Visitor(browser, server.url, density=COARSE, says="observable")
     tab.dismiss_notifications()
     yield tab
     assert tab.complaints == []
