@@ -18,6 +18,7 @@ from explorer.panels.gains import summary
 from explorer.widgets.complaint import InvalidInputError
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
+from rangenav.number_format import UNBROKEN
 from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 
@@ -231,7 +232,7 @@ def test_the_other_units_are_in_a_table(dock: Dock):
     picture = compute(SLOW)
     dock.gains.draw(picture)
     physical = in_physical_units(SLOW.preset.gains, context_of(SLOW))
-    assert f"{physical.range_sigma:.4g} m" in dock.gains.other_units_table.content
+    assert f"{physical.range_sigma:.4g}{UNBROKEN}m" in dock.gains.other_units_table.content
     assert dock.gains.other_units_section.label == "The same as physical quantities"
     _choose_units(dock, "physical")
     refreshed(dock)
