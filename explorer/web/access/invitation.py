@@ -6,6 +6,7 @@ from pathlib import Path
 
 import segno
 
+from explorer.model import palette
 from explorer.web.access.codes import Codes, checked_token
 from explorer.web.access.entrance import Entrance
 from explorer.web.access.visitors import Role
@@ -43,4 +44,6 @@ def invitation(entrance: Entrance, page: str) -> str:
 
 def qr_svg(text: str, scale: float = 4.0) -> str:
     """A text as a QR code: an SVG picture, dark on white in either theme."""
-    return segno.make(text, micro=False).svg_inline(scale=scale, dark="#000", light="#fff", border=4)
+    return segno.make(text, micro=False).svg_inline(
+        scale=scale, dark=palette.CODE_INK, light=palette.CODE_GROUND, border=4
+    )
