@@ -275,7 +275,7 @@ def test_settings_that_cannot_be_shown_are_refused_in_the_section_of_the_starts(
     editing.tab.wait_for_text("Not shown")
     editing.tab.press(panel.COMPUTE_LABEL)
     sentence = "time window judged δ must be shorter than the duration"
-    editing.tab.wait_for(lambda: editing.tab.text().count(sentence) > 2, "the sentence in the section")
+    editing.tab.wait_for(lambda: editing.tab.text().lower().count(sentence) > 2, "the sentence in the section")
     assert editing.session.jobs.running is None
 
 
