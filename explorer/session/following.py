@@ -73,7 +73,8 @@ class Follower:
         if request is not None:
             self._end(back=True)
             if request.settings is not None:
-                self._dock.learn.close()
+                if self._dock.learn.lesson is not None:
+                    self._dock.learn.close()
                 self._dock.write(self._as_here(request.settings))
                 self._notify(SENT, UNDO)
             if request.lesson is not None:

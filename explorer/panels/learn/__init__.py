@@ -4,7 +4,6 @@ A lesson puts its first state on the page. What was there before comes back when
 what the page shows whenever nothing has changed for a moment.
 """
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,15 +12,17 @@ from functools import partial
 import msgspec
 import viser
 
-from explorer.lessons import demonstration, screens, teaching
+from explorer.lessons import demonstration, screens
 from explorer.lessons.course import Course
 from explorer.lessons.lesson import Lesson, Place
-from explorer.lessons.state import Outcome, State
+from explorer.lessons.state import State
 from explorer.model import learning as progress
 from explorer.model.compute import Picture
 from explorer.model.learning import PREDICTION, Learning
 from explorer.model.settings import Settings
 from explorer.panels.learn import markup
+from explorer.panels.learn.for_teachers import ForTeachers
+from explorer.panels.learn.judge import Judge
 from explorer.panels.learn.screen_figures import ScreenFigures
 from explorer.panels.learn.show import Show
 from explorer.widgets import typed_number
@@ -62,17 +63,10 @@ class LearnPanel:
     ) -> None:
         """`strip` lies over the scene: it shows how far a task is done while its controls are on another tab."""
         self._form, self._course, self._page, self._session = form, course, page, actions
-        self._checks, self._teacher = form.new_jobs(), form.new_jobs()
+        self._judge = Judge(form.new_jobs(), pinned=actions.pinned, exported=actions.exported)
+        self._teacher = ForTeachers(form.new_jobs(), course.lessons, actions.download)
         self._figures = ScreenFigures(form.new_jobs())
-        self._guide: list[tuple[str, ...]] = []
         self.learning = Learning()
-        self._picture: Picture | None = None
-        self._outcome: Outcome | None = None
-        self._at_rest = False
-        self._old_export: tuple[str, bytes] | None = None
-        """What had been exported before the lesson was opened: it is no answer to the task."""
-        self._judged: State | None = None
-        """Whether nothing has changed for a moment, and what the last check was asked about."""
         self._show, self._said = Show(), ""
         self._block = form.gui.add_html("")
         self._strip = strip
@@ -94,8 +88,8 @@ class LearnPanel:
             "hint": self._hint,
             "show": self._demonstrate,
             "again": self._again,
-            "answers": self._answers,
-            "worksheet": self._worksheet,
+            "answers": lambda: self._teacher.answers(self._draw, self._say),
+            "worksheet": lambda: self._teacher.worksheet(self._say),
         }
         for lesson in self._course.lessons:
             named[f"open-{lesson.name}"] = partial(self.open, lesson)
@@ -114,7 +108,7 @@ class LearnPanel:
     @property
     def waits_for_prediction(self) -> bool:
         """Whether a lesson is open whose prediction is not committed yet: nothing may answer it."""
-        return self.lesson is not None and PREDICTION not in progress.answers_of(self.learning, self.learning.lesson)
+        return self.lesson is not None and PREDICTION not in self._given
 
     @property
     def content(self) -> str:
@@ -129,7 +123,7 @@ class LearnPanel:
     def open(self, lesson: Lesson) -> None:
         """Show a lesson from its beginning, on its first state."""
         self.learning = progress.opened(self.learning, lesson.name, self._page.read())
-        self._old_export = self._session.exported()
+        self._judge.begin()
         self._session.rewind()
         self._put(lesson.start)
 
@@ -164,54 +158,41 @@ class LearnPanel:
 
     def draw(self, picture: Picture) -> None:
         """The page shows another picture: the old outcome is that of something else."""
-        self._checks.cancel()
-        self._picture, self._outcome, self._at_rest = picture, None, False
+        self._judge.moved(picture)
         if self._kind == "task":  # the figures of other screens follow when nothing moves
             self._write()
 
     def draw_details(self, picture: Picture) -> None:
         """Nothing has changed for a moment: check what the page shows."""
-        self._picture, self._at_rest = picture, True
+        self._judge.rested(picture)
         lesson = self.lesson
-        if lesson is None:
-            return
-        self._draw()
-        self._judged = state = self._state(picture.settings)
-        self._checks.start(
-            "the check of the lesson", lambda _progress, _cancelled: lesson.check(state), self._take, self._refused
-        )
+        if lesson is not None:
+            self._draw()
+            self._judge.check(lesson, self._given, self._take)
 
     def check_again(self) -> None:
         """Check once more if something else was opened, answered, pinned or exported while the picture stayed."""
-        picture = self._picture
-        if picture is not None and self._at_rest and self._state(picture.settings) != self._judged:
+        picture = self._judge.picture
+        if picture is not None and self._judge.is_behind(self._given):
             self.draw_details(picture)
 
-    def _take(self, outcome: Outcome) -> None:
-        self._outcome = outcome
-        if outcome.passed:
+    @property
+    def _given(self) -> dict[str, str]:
+        """The answers in the open lesson, by their questions."""
+        return progress.answers_of(self.learning, self.learning.lesson)
+
+    def _take(self) -> None:
+        outcome = self._judge.outcome
+        if outcome is not None and outcome.passed:
             self.learning = progress.passed(self.learning)
         self._draw()
-
-    def _refused(self, reason: str) -> None:
-        self._outcome = Outcome(math.nan, False, f"The check could not judge this: {reason}")
-        self._draw()
-
-    def _state(self, settings: Settings) -> State:
-        exported = self._session.exported()
-        return State(
-            settings=settings,
-            pinned=self._session.pinned(),
-            answers=progress.answers_of(self.learning, self.learning.lesson),
-            exported=None if exported is self._old_export else exported,
-        )
 
     def _put(self, state: State) -> None:
         """Show a state of the lesson."""
         self._stop_show()
         self._session.pin(state.pinned)
         self._page.write(state.settings)
-        self._outcome = self._judged = None
+        self._judge.forget()
         self._draw()
 
     def _turn(self, by: int) -> None:
@@ -224,21 +205,17 @@ class LearnPanel:
 
     def leave(self) -> None:
         """Back to the list, and to what was on the page before."""
-        self._stop_show()
         before = self.learning.before
-        self.learning = progress.left(self.learning)
-        self._session.pin(None)
+        self.close()
         if before is not None:
             self._page.write(before)
-        self._draw()
 
     def close(self) -> None:
         """Back to the list; what is on the page stays, and is the visitor's own work from now on."""
-        if self.lesson is not None:
-            self._stop_show()
-            self.learning = progress.left(self.learning)
-            self._session.pin(None)
-            self._draw()
+        self._stop_show()
+        self.learning = progress.left(self.learning)
+        self._session.pin(None)
+        self._draw()
 
     def _following(self) -> None:
         names = [lesson.name for lesson in self._course.lessons]
@@ -251,19 +228,6 @@ class LearnPanel:
     def _again(self) -> None:
         if self.lesson is not None:
             self._put(self.lesson.start)
-
-    def _answers(self) -> None:
-        """Show the guide for the teacher. Its figures are those of all lessons, which take a second the first time."""
-
-        def show(guide: list[tuple[str, ...]]) -> None:
-            self._guide = guide
-            self._draw()
-
-        self._teacher.start("the answers", lambda *_: teaching.guide(self._course.lessons), show, self._say)
-
-    def _worksheet(self) -> None:
-        done = partial(self._session.download, "worksheet.html")
-        self._teacher.start("the worksheet", lambda *_: teaching.worksheet(self._course.lessons), done, self._say)
 
     def _say(self, sentence: str) -> None:
         self._said = sentence
@@ -294,7 +258,7 @@ class LearnPanel:
 
     def _commit_prediction(self, answer: str) -> None:
         """A prediction is committed once."""
-        if PREDICTION not in progress.answers_of(self.learning, self.learning.lesson):
+        if PREDICTION not in self._given:
             self.learning = progress.answered(self.learning, PREDICTION, answer)
             self._turn(1)
 
@@ -343,13 +307,13 @@ class LearnPanel:
         self._figures.begin()
         lesson = self.lesson
         if lesson is None:
-            content = markup.course_list(self._course, self.learning, self._guide)
+            content = markup.course_list(self._course, self.learning, self._teacher.guide)
         else:
             shown = markup.Shown(
                 learning=self.learning,
                 states=self._states(lesson),
                 read=self._figures.read,
-                outcome=self._outcome,
+                outcome=self._judge.outcome,
                 said=self._said,
                 last=lesson is self._course.lessons[-1],
             )
@@ -360,7 +324,9 @@ class LearnPanel:
         for handle in (self._number, self._commit):
             if handle.visible != asks_number:
                 handle.visible = asks_number
-        strip = "" if lesson is None or self._kind not in ("task", "outcome") else markup.strip(lesson, self._outcome)
+        strip = (
+            "" if lesson is None or self._kind not in ("task", "outcome") else markup.strip(lesson, self._judge.outcome)
+        )
         if strip != self._strip.content:
             self._strip.content = strip
         if content != self._block.content:
@@ -384,4 +350,6 @@ class LearnPanel:
 
     def _states(self, lesson: Lesson) -> dict[str, State | None]:
         """The states that the text may name; before the first picture what is shown is the lesson's first state."""
-        return lesson.states(lesson.start if self._picture is None else self._state(self._picture.settings))
+        picture = self._judge.picture
+        shown = lesson.start if picture is None else self._judge.state(picture.settings, self._given)
+        return lesson.states(shown)
