@@ -125,7 +125,7 @@ def test_a_diverged_run_has_a_cross_and_says_by_which_figure(run, tmp_path: Path
     soft = preset.load("soft")
     requirement = replace(soft.requirement, window=150.0)
     preset.save(
-        replace(soft, path=Multisine(tones=tones), duration=300.0, requirement=requirement), tmp_path / "slow.toml"
+        replace(soft, path=Multisine(tones=tones), duration=200.0, requirement=requirement), tmp_path / "slow.toml"
     )
     out = run("simulate", tmp_path / "slow.toml")[1]
     first = " ".join(out.split("\n\n")[0].split())

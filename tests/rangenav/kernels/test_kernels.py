@@ -54,13 +54,13 @@ def covariances(P, accel, variance, v, h, symmetric, steps, every, out):
 @pytest.mark.parametrize(
     ("name", "steps"),
     [
-        *(("circle", MILLION), ("hover", MILLION)),
-        *((name, TENTH) for name in ("paper", "figure-eight", "wiggle", "barrel", "torus", "hand-held")),
+        ("circle", MILLION),
+        *((name, TENTH) for name in ("hover", "paper", "figure-eight", "wiggle", "barrel", "torus", "hand-held")),
     ],
 )
 def test_covariance_stays_positive_over_a_million_steps_at_every_corner(name: str, steps: int):
-    """A million steps for a blind circle and a vehicle that stands, whose P grows all the time; a tenth for further
-    paths and for the mixed corners."""
+    """A million steps for a blind circle, whose P grows all the time; a tenth for further paths and for the mixed
+    corners."""
     p = preset.load(name)
     time = (np.arange(4000) + 0.5) / IMU_RATE
     accel = p.path(time, 2) - np.asarray(p.world.gravity)
