@@ -136,8 +136,11 @@ def test_frozen_pages_cannot_leave_and_get_their_work_back(one_class: Class) -> 
     student, own = one_class.student, _weight(one_class.students)
     one_class.teacher.press("Eyes on me")
     student.wait_for_text("Eyes on the teacher")
-    student.press_own("class-back")
-    student.press_own("class-copy")
+    form = one_class.students.form
+    for name in ("class-back", "class-copy"):
+        before = form.actions_run
+        student.press_own(name)
+        student.wait_for(lambda before=before: form.actions_run > before, name)
     one_class.teacher.press("Release")
     student.wait_for_text("You follow the teacher")
     student.press_own("class-back")
