@@ -5,13 +5,13 @@
 // remembered is applied to each tab list and each heading when it appears; a tab list only until its visitor has chosen.
 (() => {
   if (window.rnPlaces) return;
-  const KEY = 'rangenav-places', MENU = 'preset';
+  const KEY = 'rangenav-places', MENU = 'preset', MOST_TRIES = 8;
   let kept = {tabs: [], folders: {}};
   try { kept = {...kept, ...JSON.parse(sessionStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
   const keep = () => {
     try { sessionStorage.setItem(KEY, JSON.stringify(kept)); } catch (refused) { console.info(String(refused)); }
   };
-  const waiting = new Map(Object.entries(kept.folders)), done = new WeakSet();
+  const waiting = new Map(Object.entries(kept.folders)), done = new WeakSet(), tries = new WeakMap(), noted = new Map();
   const text = element => element.textContent.trim();
   const label = head => head.firstChild && head.firstChild.nodeType === 3 ? head.firstChild.data.trim() : '';
   const heads = () => [...document.querySelectorAll('.mantine-Paper-root > .mantine-Paper-root:first-child')];
@@ -28,8 +28,11 @@
     for (const list of document.querySelectorAll('[role=tablist]')) {
       const wanted = [...list.querySelectorAll('[role=tab]')].find(tab => kept.tabs.includes(text(tab)));
       if (done.has(list) || !wanted) continue;
-      done.add(list);
-      if (!isSelected(wanted)) open(wanted);
+      const tried = tries.get(list) || 0;
+      tries.set(list, tried + 1);
+      if (isSelected(wanted) || tried >= MOST_TRIES) { done.add(list); continue; }
+      open(wanted);
+      setTimeout(apply, 500);  // a busy browser may not have taken it
     }
     for (const head of waiting.size ? heads() : []) {
       if (!waiting.has(label(head)) || !head.nextElementSibling) continue;
@@ -52,6 +55,7 @@
       kept.tabs = [...kept.tabs.filter(name => !others.includes(name)), ...tabs.filter(isSelected).map(text)];
       keep();
     };
+    noted.set(list, note);
     [50, 300, 1000, 3000].forEach(later => setTimeout(note, later));  // a busy browser selects the tab later
   };
   document.addEventListener('keyup', key => key.target.closest && chosen(key.target), true);
@@ -65,6 +69,7 @@
     const name = box && document.querySelector(`label[for="${box.id}"]`);
     if (name && text(name).replace(' •', '') === MENU) window.rnPage.act('event', 'again');
   }, true);
+  addEventListener('pagehide', () => noted.forEach((note, list) => { if (list.isConnected) note(); }));
   let soon = 0;
   new MutationObserver(() => {
     soon = soon || setTimeout(() => { soon = 0; apply(); }, 100);

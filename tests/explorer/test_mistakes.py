@@ -109,6 +109,7 @@ def test_two_wrong_boxes_are_both_named_over_the_scene_and_no_slider_jumps(stand
     standing.wait_for(named, "both sentences in one place")
     assert standing.value("range noise σ (m)") == before
     standing.set("flight duration (s)", "20")
+    standing.wait_for(lambda: wrong[1] not in standing.text(), "the first complaint to go")
     standing.set("range noise σ (m): number", "0.2")
     standing.wait_for(lambda: NOT_SHOWN not in standing.text(), "the complaint to go")
     standing.wait_for(lambda: standing.value("range noise σ (m)") != before, "the slider to follow")
