@@ -68,10 +68,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """A worker waits for the kernels. What was imported and collected stays, and is not looked through any more."""
+    """A worker waits for the kernels. Nothing is frozen: hypothesis asks who refers to a generator of random numbers,
+    and of frozen objects the answer is nobody."""
     if hasattr(session.config, "workerinput"):
         compiled_kernels.make()
-    gc.freeze()
     gc.enable()
 
 
