@@ -12,13 +12,12 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
+from explorer.model.listeners import Listener, Listeners
 from explorer.model.settings import Settings
 from rangenav.inputs import Vec3
 
 MAX_NAME = 24
 """Characters of a name that a student chooses."""
-Listener = Callable[[], None]
-"""Called when something has changed, from any thread; it may do nothing but set an event."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +92,7 @@ class Classroom:
         self._members: dict[int, Member] = {}
         self._done: dict[int, int] = {}
         """The newest request that each student's page has done."""
-        self._listeners: list[Listener] = []
+        self._listeners = Listeners()
 
     @property
     def state(self) -> State:
@@ -108,14 +107,7 @@ class Classroom:
 
     def listen(self, listener: Listener) -> Listener:
         """Have a listener called after every change. Returns what ends that."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def end() -> None:
-            with self._lock:
-                self._listeners.remove(listener)
-
-        return end
+        return self._listeners.add(listener)
 
     def show(self, shown: Shown | None) -> None:
         """Show what the teacher's page shows; None ends the presentation, and lets frozen pages go."""
@@ -146,7 +138,7 @@ class Classroom:
             same = self._members.get(number) == member
             self._members[number] = member
         if not same:
-            self._tell()
+            self._listeners.call()
 
     def clear(self) -> None:
         """Forget all students and what was shown: the class is over."""
@@ -158,13 +150,7 @@ class Classroom:
     def _change(self, change: Callable[[State], State]) -> None:
         with self._lock:
             self._state = change(self._state)
-        self._tell()
-
-    def _tell(self) -> None:
-        with self._lock:
-            listeners = self._listeners[:]
-        for listener in listeners:
-            listener()
+        self._listeners.call()
 
 
 def histogram(members: Mapping[int, Member], lesson: str) -> dict[str, int]:

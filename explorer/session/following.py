@@ -8,6 +8,8 @@ own work ──teacher presents──▶ following ──copy──▶ own work,
 import time
 from collections.abc import Callable
 
+import msgspec
+
 from explorer.lessons import course
 from explorer.model.classroom import Classroom, Member, Shown
 from explorer.model.history import History
@@ -19,6 +21,7 @@ from explorer.panels.classroom.student import StudentPanel
 from explorer.panels.dock import Dock
 from explorer.scene import Scene
 from explorer.storage.catalog import Catalog
+from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Action
 from explorer.widgets.page import Page
 
@@ -55,6 +58,8 @@ class Follower:
         self._held: Settings | None = None
         """What the teacher shows, as this page calls it."""
         self._seen: Shown | None = None
+        self._named: dict[str, str] = {}
+        """What presets of the teacher's own are called here: one of them is offered once, not at each change."""
 
     @property
     def following(self) -> bool:
@@ -120,7 +125,7 @@ class Follower:
 
     def _show(self, shown: Shown) -> None:
         if self._own is None:
-            self._own, self._own_time = self._dock.read(), self._playback.time
+            self._own, self._own_time = self._chosen(), self._playback.time
             self._seen = self._held = None
         before, self._seen = self._seen, shown
         if shown is before:
@@ -162,5 +167,17 @@ class Follower:
 
     def _as_here(self, settings: Settings) -> Settings:
         """The same settings; a preset of the teacher's own is offered here, too."""
+        named = self._named.get(settings.origin)
+        if named is not None:
+            return msgspec.structs.replace(settings, origin=named, edition="")
         (same,) = saved_page.with_presets([settings], self._catalog)
+        if same.origin != settings.origin:
+            self._named[settings.origin] = same.origin
         return same
+
+    def _chosen(self) -> Settings | None:
+        """The own work; what was valid last, if a control holds no valid input now."""
+        try:
+            return self._dock.read()
+        except (InvalidInputError, ValueError):
+            return self._history.now

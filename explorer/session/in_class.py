@@ -83,7 +83,10 @@ class Alone:
     """No class."""
 
     following = False
-    actions: dict[str, Action] = {}  # noqa: RUF012
+
+    @property
+    def actions(self) -> dict[str, Action]:
+        return {}
 
     def before(self) -> None: ...
     def hold(self, page: Page) -> None: ...
@@ -133,7 +136,8 @@ class TeachersPart:
         self._presenter.follow(settings)
 
     def end(self) -> None:
-        self._presenter.present(False)
+        if self._presenter.presenting:  # another tab of the teacher's may present
+            self._presenter.present(False)
         for end in self._end:
             end()
 

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from websockets.http11 import Request
 
+from explorer.model.listeners import Listener, Listeners
 from explorer.web.access.attempts import Attempts
 from explorer.web.access.codes import Codes
 from explorer.web.access.visitors import LIFETIME, Role, Visitor, Visitors
@@ -66,7 +67,7 @@ class Entrance:
         self.places = places
         self._tabs: dict[int, list[Callable[[], None]]] = {}
         """What closes each open tab of a visitor, by the visitor's number."""
-        self._listeners: list[Callable[[], None]] = []
+        self._listeners = Listeners()
 
     @property
     def code(self) -> str:
@@ -102,17 +103,9 @@ class Entrance:
         with self._lock:
             return self._visitors.is_student(number)
 
-    def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
-        """Have a listener called when somebody comes or leaves, from any thread; it may do nothing but set an event.
-        Returns what ends that."""
-        with self._lock:
-            self._listeners.append(listener)
-
-        def end() -> None:
-            with self._lock:
-                self._listeners.remove(listener)
-
-        return end
+    def on_change(self, listener: Listener) -> Listener:
+        """Have a listener called when somebody comes or leaves. Returns what ends that."""
+        return self._listeners.add(listener)
 
     def renew(self) -> None:
         """Replace the code and the link of the students; who is in stays in."""
@@ -146,7 +139,7 @@ class Entrance:
         """Count a tab of a visitor as long as it is connected. close: what ends the connection."""
         with self._lock:
             self._tabs.setdefault(visitor.number, []).append(close)
-        self._tell()
+        self._listeners.call()
         try:
             yield
         finally:
@@ -154,13 +147,7 @@ class Entrance:
                 self._tabs[visitor.number].remove(close)
                 if not self._tabs[visitor.number]:
                     del self._tabs[visitor.number]
-            self._tell()
-
-    def _tell(self) -> None:
-        with self._lock:
-            listeners = self._listeners[:]
-        for listener in listeners:
-            listener()
+            self._listeners.call()
 
     def answer(self, request: Request, port: int) -> Answer | None:
         """What a request gets here; None for somebody who is in, and asks for something else than the door."""
