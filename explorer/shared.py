@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from explorer.model.classroom import Classroom
+from explorer.model.turns import Places, Share
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
 from explorer.storage.work_files import WorkFiles
@@ -75,12 +76,21 @@ class Shared:
     address: str = ""
     """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation
+    places: Places = field(default_factory=Places)
+    """For the long work of all visitors."""
     work_files: WorkFiles
     slots: Slots
     library: Library = field(default_factory=Library)
     class_folder: Path | None = None
     """Where each student's own presets lie until the class ends."""
     certifier: Certifier = field(default_factory=Certifier)
+    _shares: dict[int, Share] = field(default_factory=dict)
+
+    def share_of(self, visitor: Visitor | None) -> Share:
+        """A visitor's share of the places for long work: one for all tabs of a visitor of a class, else one a tab."""
+        if visitor is None:
+            return self.places.share()
+        return self._shares.setdefault(visitor.number, self.places.share())
 
     def library_of(self, visitor: Visitor | None) -> Library:
         """The presets that a visitor has saved: students have their own, and do not see the teacher's."""

@@ -1,10 +1,10 @@
-"""Long work of one visitor: one job at a time, in a thread of its own. The page stays usable while the job runs.
+"""Long work of one panel: one job at a time, in a thread of its own. The page stays usable while the job runs.
 
     jobs.start("100 seeds", work, done, failed)     work(progress, cancelled) -> result, in the job's thread
     jobs.deliver()                                  done(result) or failed(sentence), in the session's loop
 
 This is the only way from a thread to the page: a job never writes to the page, and `deliver` drops the result of a job
-that was cancelled or replaced.
+that was cancelled or replaced. The jobs of all visitors take turns (`explorer.model.turns`).
 """
 
 import threading
@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from explorer.model.turns import Places, Share, Turn
 from rangenav.progress import Cancelled, CancelledError, Progress
 
 T = TypeVar("T")
@@ -29,19 +30,26 @@ class Job:
     work: Work[Any]
     done: Callable[[Any], None]
     failed: Callable[[str], None]
+    turn: Turn | None = None
     fraction: float = 0.0
     cancelled: bool = False
     finished: bool = False
     result: Any = None
     error: Exception | None = None
 
+    @property
+    def ahead(self) -> int:
+        """How many jobs of all visitors work or wait before this one; 0 while it works."""
+        return 0 if self.turn is None or self.finished else self.turn.ahead
+
 
 class Jobs:
     """At most one job; starting another cancels it."""
 
-    def __init__(self, wake: Callable[[], None]) -> None:
-        """`wake` wakes the session's loop; it is called from the job's thread."""
-        self._wake = wake
+    def __init__(self, wake: Callable[[], None], share: Share | None = None) -> None:
+        """`wake` wakes the session's loop; it is called from the job's thread. `share`: the visitor's share of the
+        places of the server; None for places of its own."""
+        self._wake, self._share = wake, share or Places().share()
         self._job: Job | None = None
         self._reported_at = float("-inf")
 
@@ -55,7 +63,8 @@ class Jobs:
         ValueError. For a cancelled job it calls neither."""
         self.cancel()
         job = self._job = Job(name, work, done, failed)
-        threading.Thread(target=self._run, args=(job,), name=f"job {name}", daemon=True).start()
+        turn = job.turn = self._share.turn(lambda: job.cancelled, self._wake)
+        threading.Thread(target=self._run, args=(job, turn), name=f"job {name}", daemon=True).start()
         return job
 
     def cancel(self) -> None:
@@ -63,6 +72,7 @@ class Jobs:
         if self._job is not None:
             self._job.cancelled = True
             self._job = None
+            self._share.wake()
             self._wake()
 
     def drop(self, job: Job | None) -> None:
@@ -86,7 +96,7 @@ class Jobs:
             case error:
                 raise error
 
-    def _run(self, job: Job) -> None:
+    def _run(self, job: Job, turn: Turn) -> None:
         def progress(fraction: float) -> None:
             job.fraction = min(max(fraction, 0.0), 1.0)
             now = time.monotonic()
@@ -94,9 +104,17 @@ class Jobs:
                 self._reported_at = now
                 self._wake()
 
+        def cancelled() -> bool:
+            turn.go_on()
+            return job.cancelled
+
         try:
-            job.result = job.work(progress, lambda: job.cancelled)
+            turn.wait()
+            self._wake()
+            job.result = job.work(progress, cancelled)
         except Exception as error:
             job.error = error
+        finally:
+            turn.end()
         job.finished = True
         self._wake()

@@ -23,7 +23,9 @@ class SessionServer:
         self._stopping = False
         light(server.scene)
         shared.metrics.watch(
-            visitors=lambda: len(self._by_client), jobs=lambda: sum(session.works for session in self.sessions)
+            visitors=lambda: len(self._by_client),
+            jobs=lambda: sum(session.works for session in self.sessions),
+            waiting=lambda: len(shared.places.waiting),
         )
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)

@@ -67,7 +67,7 @@ class Session:
         self._client, self.shared = client, shared
         self.catalog = Catalog(shared.shipped, shared.library_of(visitor), shared.certifier)
         self._wake, self._stopped = threading.Event(), False
-        self.form = Form(client.gui, self._wake.set)
+        self.form = Form(client.gui, self._wake.set, shared.share_of(visitor))
         self.jobs = self.form.new_jobs()
         self._in_class: Part = Alone()
         self._built = False

@@ -19,6 +19,7 @@ class Metrics:
         ProcessCollector(registry=registry)
         self._visitors = Gauge("rangenav_visitors", "Connected tabs.", registry=registry)
         self._jobs = Gauge("rangenav_jobs", "Tabs for which a search or an export runs.", registry=registry)
+        self._waiting = Gauge("rangenav_jobs_waiting", "Jobs that wait for a place.", registry=registry)
         self._pictures = Histogram(
             "rangenav_picture_seconds",
             "From reading a change to having sent its picture.",
@@ -29,10 +30,11 @@ class Metrics:
         self._errors = Counter("rangenav_errors", said, registry=registry)
         self._refused = Counter("rangenav_refused", "Requests that were refused.", ["status"], registry=registry)
 
-    def watch(self, *, visitors: Callable[[], float], jobs: Callable[[], float]) -> None:
+    def watch(self, *, visitors: Callable[[], float], jobs: Callable[[], float], waiting: Callable[[], float]) -> None:
         """Have numbers read whenever somebody asks."""
         self._visitors.set_function(visitors)
         self._jobs.set_function(jobs)
+        self._waiting.set_function(waiting)
 
     def picture(self, seconds: float) -> None:
         """A picture was computed and sent."""

@@ -14,6 +14,7 @@ from viser._messages import HotkeyKey, KeyModifier
 
 from explorer.model import palette
 from explorer.model.jobs import Job, Jobs
+from explorer.model.turns import Places, Share
 from explorer.widgets.complaint import Complaint, InvalidInputError
 
 Wake = Callable[[], None]
@@ -70,8 +71,9 @@ class Progress(Protocol):
 class Form:
     """All sections of one visitor's docks, the queued actions, and the queues of jobs."""
 
-    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        self.gui, self.wake = gui, wake
+    def __init__(self, gui: viser.GuiApi, wake: Wake, share: Share | None = None) -> None:
+        """share: the visitor's share of the server's places for long work; None for places of the form's own."""
+        self.gui, self.wake, self._share = gui, wake, share or Places().share()
         self.sections: list[FormSection] = []
         self.progress: list[Progress] = []
         """The progress of the work of each panel."""
@@ -88,7 +90,7 @@ class Form:
 
     def new_jobs(self) -> Jobs:
         """A queue of jobs for one panel; `deliver` hands over its results together with those of the other queues."""
-        jobs = Jobs(self.wake)
+        jobs = Jobs(self.wake, self._share)
         self._jobs.append(jobs)
         return jobs
 

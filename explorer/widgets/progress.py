@@ -47,6 +47,14 @@ class ProgressPanel:
             self.line.visible = self._bar.visible = self.button.visible = self._shown
         if job is not None:
             self._bar.value = 100 * job.fraction
-            line = f"Working: {html.escape(job.name)}, {100 * job.fraction:.0f} %"
+            line = _line(job)
             if line != self.line.content:
                 self.line.content = line
+
+
+def _line(job: Job) -> str:
+    name, percent, ahead = html.escape(job.name), f"{100 * job.fraction:.0f} %", job.ahead
+    if not ahead:
+        return f"Working: {name}, {percent}"
+    before = "1 job is" if ahead == 1 else f"{ahead} jobs are"
+    return f"Waiting: {name}, {percent}. {before} before it on this machine."

@@ -19,6 +19,8 @@ MAX_STEPS = 200_000_000
 """IMU samples in all runs together: some five minutes of one core."""
 MAX_AT_ONCE = 4_000_000
 """IMU samples in all runs that are worked on at once; each takes 0.4 kB while it is."""
+IN_HAND = 2
+"""Items for each thread that are handed out: one at work, one ready."""
 POLL = 0.1
 """s between two calls of `cancelled`."""
 Item = TypeVar("Item")
@@ -31,18 +33,25 @@ def each(
     """work(item) for every item, in as many threads as there are cores; results in the order of the items.
 
     `samples` is what one of them works on: long records are taken fewer at once. The first error of a job is raised,
-    and CancelledError as soon as `cancelled()`; jobs not yet begun are then dropped.
+    and CancelledError as soon as `cancelled()`; jobs not yet begun are then dropped. While `cancelled` does not return,
+    the threads end what they have in hand, and then rest.
     """
     threads = max(1, min(os.cpu_count() or 1, MAX_AT_ONCE // samples))
     with ThreadPoolExecutor(threads) as pool:
         finished: SimpleQueue[Future[Result]] = SimpleQueue()  # `wait` would look at every job after every job
-        jobs = [pool.submit(work, item) for item in items]
-        for job in jobs:
-            job.add_done_callback(finished.put)
+        jobs: list[Future[Result]] = []
+
+        def hand_out(count: int) -> None:
+            for item in items[len(jobs) : len(jobs) + count]:
+                jobs.append(pool.submit(work, item))
+                jobs[-1].add_done_callback(finished.put)
+
+        hand_out(IN_HAND * threads)
         try:
-            for count in range(1, len(jobs) + 1):
+            for count in range(1, len(items) + 1):
                 _next(finished, cancelled).result()
-                progress(count / len(jobs))
+                hand_out(1)
+                progress(count / len(items))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
