@@ -278,8 +278,10 @@ class Visitor:
 
     def box(self, label: str) -> Locator:
         """The box for a number with this label, or beside the slider with this label."""
-        own = self.beside(f"{label}: number")
-        return (own if own.count() else self.beside(label)).locator("input:not([type=hidden])")
+        row = self.beside(label)
+        row.wait_for(state="attached")
+        slider = row.get_by_role("slider").count()  # its own box is not shown; ours comes a moment later
+        return (self.beside(f"{label}: number") if slider else row).locator("input:not([type=hidden])")
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:
         """Type into the number box beside a label; of a vector, into the box of an axis: 0, 1 or 2."""
