@@ -1,80 +1,14 @@
 """The command line: everything the page does without a browser. Each command is a file in `commands`.
 
-Exit 0: done. Exit 1: a check failed. Exit 2: bad input, one line on stderr that names file, field and rule. `--json`
-prints one object on stdout.
+`--help` and `--version` answer without loading the library, which takes most of a second.
 """
 
-import contextlib
-import io
-import os
-import shlex
 import sys
-import warnings
-from collections.abc import Iterable, Iterator
-from typing import Any, NoReturn
-
-import tyro
 
 import rangenav
-from rangenav.commands import numbers, overview
-from rangenav.commands.text.layout import COLUMNS, CONTINUED, folded_command, wrapped
-from rangenav.formats import OpenQuestionsError, Question, typed_flag
-from rangenav.motion import DirectionWarning
+from rangenav.commands import overview
 
-PROGRAM = "rangenav"
 HELP = (["-h"], ["--help"])
-COLUMNS_FLAG = "--columns"
-"""The option that several questions have."""
-IN_ONE = "in one command, with the suggested answers:"
-"""Before the command that answers several questions."""
-
-app = tyro.extras.SubcommandApp()
-for name, command in overview.commands().items():
-    app.command(name=name)(command)
-
-
-def fail(sentence: str) -> NoReturn:
-    """Bad input: one line on stderr, which a terminal shows broken between words; exit 2."""
-    lines = [" ".join(sentence.split())]
-    print(*(wrapped(lines[0], COLUMNS, CONTINUED) if sys.stderr.isatty() else lines), sep="\n", file=sys.stderr)
-    raise SystemExit(2)
-
-
-def ask(error: OpenQuestionsError) -> NoReturn:
-    """Open questions about a file: one line on stderr, or one paragraph for each on a terminal; exit 2.
-
-    Several questions end with the command that answers all of them as suggested.
-    """
-    several = len(error.questions) > 1
-    kept = _without_flags(sys.argv[1:], {question.flag for question in error.questions})
-    command = shlex.join([PROGRAM, *kept]) + "".join(f" {one}" for one in answers(error.questions))
-    if not sys.stderr.isatty():
-        fail(f"{error}; {IN_ONE} {command}" if several else str(error))
-    for sentence in (error.rule, *(question.text for question in error.questions)):
-        print(*wrapped(sentence, COLUMNS, CONTINUED), sep="\n", file=sys.stderr)
-    if several:
-        print(IN_ONE, *folded_command(command, COLUMNS), sep="\n", file=sys.stderr)
-    raise SystemExit(2)
-
-
-def _without_flags(typed: list[str], flags: set[str]) -> list[str]:
-    """What was typed without flags whose values were no answer, so that the command does not have them twice."""
-    kept, dropping = [], False
-    for one in typed:
-        if one.startswith("--"):
-            dropping = one.partition("=")[0] in flags and one.partition("=")[0] != "--columns"
-        if not dropping:
-            kept.append(one)
-    return kept
-
-
-def answers(questions: Iterable[Question]) -> list[str]:
-    """The flags that answer questions as suggested; ANSWER stands for what only a person knows."""
-    typed: dict[str, list[str]] = {}
-    for question in questions:
-        own = question.options[0] if len(question.options) == 1 and not question.as_it_is else "ANSWER"
-        typed.setdefault(question.flag, []).append(question.suggestion or own)
-    return [typed_flag(flag, " ".join(values)) for flag, values in typed.items()]
 
 
 def main() -> None:
@@ -82,82 +16,11 @@ def main() -> None:
     if sys.argv[1:] in HELP:
         print(overview.overview())
     elif sys.argv[1:] == ["--version"]:
-        print(f"{PROGRAM} {rangenav.__version__}")
+        print(f"rangenav {rangenav.__version__}")
     else:
-        run_command()
+        from rangenav.commands import typed
 
-
-def run_command() -> None:
-    """Run the command that was typed; whatever goes wrong is one line on stderr and an exit code."""
-    messages = io.StringIO()
-    try:
-        with said_on_stderr(), contextlib.redirect_stderr(messages), numbers.registry:
-            app.cli(prog=PROGRAM, args=joined(sys.argv[1:]))
-            sys.stdout.flush()
-    except OpenQuestionsError as error:
-        ask(error)
-    except ValueError as error:
-        fail(str(error))
-    except BrokenPipeError:  # the reader of the output, `head` say, has closed it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except OSError as error:
-        fail(f"{error.filename or PROGRAM}: {error.strerror}")
-    except SystemExit as stop:
-        if stop.code == 2:
-            fail(usage_error(messages.getvalue()))
-        print(messages.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
-        raise
-
-
-def joined(arguments: list[str]) -> list[str]:
-    """The arguments with the values of every `--columns` behind the first one, of which the parser takes the last."""
-    values, others, inside, first = [], [], False, -1
-    for one in arguments:
-        flag, sign, value = one.partition("=")
-        if flag == COLUMNS_FLAG:
-            first = len(others) if first < 0 else first
-            inside = not sign
-            values += [value] if sign else []
-        elif inside and not one.startswith("-"):
-            values.append(one)
-        else:
-            inside = False
-            others.append(one)
-    return arguments if first < 0 else [*others[:first], COLUMNS_FLAG, *values, *others[first:]]
-
-
-@contextlib.contextmanager
-def said_on_stderr() -> Iterator[None]:
-    """Say once, as a line on stderr, what the library has rounded."""
-    said: dict[str, None] = {}
-    with warnings.catch_warnings():
-        usual = warnings.showwarning
-
-        def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
-            if issubclass(category, DirectionWarning):
-                said[str(message)] = None
-            else:
-                usual(message, category, *place)
-
-        warnings.simplefilter("always", DirectionWarning)
-        warnings.showwarning = show
-        try:
-            yield
-        finally:
-            for sentence in said:
-                print(sentence, file=sys.stderr)
-
-
-def usage_error(box: str) -> str:
-    """The first paragraph of the parser's framed message, as one line."""
-    lines = [line.strip("│╭╰╮╯─ \n") for line in box.splitlines()]
-    paragraph: list[str] = []
-    for line in lines[1:]:
-        if line.strip("-"):  # a terminal without box characters draws its rules with hyphens
-            paragraph.append(line)
-        elif paragraph:
-            break
-    return " ".join(paragraph).strip() + f" (see {PROGRAM} --help)"
+        typed.run_command()
 
 
 if __name__ == "__main__":

@@ -1,30 +1,27 @@
-"""All commands, in the groups that `rangenav --help` shows, each with its summary and one example."""
+"""All commands, in the groups that `rangenav --help` shows, each with its summary and one example.
 
-import inspect
+Summary and example are read from the source of a command, so that the overview comes without loading the library.
+"""
+
+import ast
+import importlib
 import re
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
-from rangenav.commands.analyze import analyze
-from rangenav.commands.certify import certify
-from rangenav.commands.explain import explain
-from rangenav.commands.export import export
-from rangenav.commands.import_ import import_
-from rangenav.commands.log import log
-from rangenav.commands.presets import list_presets
-from rangenav.commands.repair import repair
-from rangenav.commands.simulate import simulate
-from rangenav.commands.text.layout import COLUMNS, wrapped
-from rangenav.commands.tune import tune
-from rangenav.commands.verify import verify
+from rangenav.commands.text.lines import COLUMNS, wrapped
 
 Command = Callable[..., None]
-GROUPS: Mapping[str, Mapping[str, Command]] = {
-    "understand a motion": {"presets": list_presets, "analyze": analyze, "explain": explain, "repair": repair},
-    "run the observers": {"simulate": simulate, "tune": tune},
-    "state and prove": {"certify": certify, "verify": verify},
-    "exchange files": {"export": export, "import": import_, "log": log},
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "understand a motion": ("presets", "analyze", "explain", "repair"),
+    "run the observers": ("simulate", "tune"),
+    "state and prove": ("certify", "verify"),
+    "exchange files": ("export", "import", "log"),
 }
-"""Every command by its name."""
+"""The names of all commands."""
+NAMES = tuple(name for group in GROUPS.values() for name in group)
+OTHERWISE = {"presets": "presets.list_presets", "import": "import_.import_"}
+"""Module and function of the commands whose name is not that of both."""
 START = """rangenav: what one range can tell of a motion, and the observers that use it.
 
 Usage: rangenav COMMAND [arguments]       rangenav COMMAND --help
@@ -40,20 +37,36 @@ INDENT = 12
 """Columns of a command's name and the blanks around it."""
 
 
-def commands() -> dict[str, Command]:
-    """Every command by its name."""
-    return {name: command for group in GROUPS.values() for name, command in group.items()}
+def command(name: str) -> Command:
+    """The function of a command; loads its module."""
+    module, function = _place(name)
+    return getattr(importlib.import_module(f"rangenav.commands.{module}"), function)
 
 
-def summary(command: Command) -> str:
+def documentation(name: str) -> str:
+    """The docstring of a command's function; loads nothing."""
+    module, function = _place(name)
+    source = (Path(__file__).parent / f"{module}.py").read_text("utf-8")
+    (found,) = (node for node in ast.parse(source).body if getattr(node, "name", "") == function)
+    assert isinstance(found, ast.FunctionDef)
+    return ast.get_docstring(found) or ""
+
+
+def summary(name: str) -> str:
     """The first sentence of a command's documentation."""
-    return (inspect.getdoc(command) or "").split("\n\n")[0].replace("\n", " ")
+    return documentation(name).split("\n\n")[0].replace("\n", " ")
 
 
-def example(command: Command) -> str:
+def example(name: str) -> str:
     """The example that a command's documentation gives."""
-    (line,) = EXAMPLE.findall(inspect.getdoc(command) or "")
+    (line,) = EXAMPLE.findall(documentation(name))
     return line
+
+
+def _place(name: str) -> tuple[str, str]:
+    """Module and function of a command."""
+    module, _, function = OTHERWISE.get(name, f"{name}.{name}").partition(".")
+    return module, function
 
 
 def overview() -> str:
@@ -61,10 +74,10 @@ def overview() -> str:
     lines = [START]
     for title, group in GROUPS.items():
         lines.append(title)
-        for name, command in group.items():
-            first, *rest = wrapped(summary(command), COLUMNS - INDENT)
+        for name in group:
+            first, *rest = wrapped(summary(name), COLUMNS - INDENT)
             lines += [f"  {name:<{INDENT - 2}}{first}", *(" " * INDENT + line for line in rest)]
-            lines.append(f"{' ' * INDENT}$ {example(command)}")
+            lines.append(f"{' ' * INDENT}$ {example(name)}")
         lines.append("")
     ends = [part for line in END.strip().splitlines() for part in wrapped(line, COLUMNS)]
     return "\n".join([*lines, *ends])

@@ -6,7 +6,6 @@ what can be seen   rank 13 of 13 lifted, 9 of 9 nonlinear
 
 import os
 import re
-import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,18 +13,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rangenav.number_format import UNBROKEN
+from rangenav.commands.text.lines import COLUMNS, CONTINUED, folded_command, wrapped
 from rangenav.verdict import Sign
 
-COLUMNS = 80
-"""A line is never wider, unless a single word is (the path of a file, which must stay whole to be copied)."""
 NAMES = 19
 """Columns of a group's name and the space after it."""
-CONTINUED = "    "
-"""Before the second line of a long answer."""
 NEXT = "next"
-BEFORE_VALUE = re.compile(r" (?!--?[a-z])")
-"""A blank in front of an option's value, and not in front of an option."""
 COLORS = {"✓": "green", "✗": "red", "!": "yellow", "?": "cyan"}
 
 
@@ -83,23 +76,6 @@ def rendered(report: Report, columns: int = COLUMNS) -> list[str]:
 def head_lines(report: Report, columns: int) -> list[str]:
     """The answer: one line, or more if it is long."""
     return wrapped(f"{report.subject}   {report.sign} {report.answer}", columns, CONTINUED)
-
-
-def wrapped(text: str, columns: int, continued: str = "") -> list[str]:
-    """A text broken at blanks only, and not at UNBROKEN, which becomes a blank; a file's path stays in one piece."""
-    lines = textwrap.wrap(text, columns, subsequent_indent=continued, break_long_words=False, break_on_hyphens=False)
-    return [line.replace(UNBROKEN, " ") for line in (lines if len(text) > columns else [text])]
-
-
-def folded_command(text: str, columns: int) -> list[str]:
-    """A command that a shell still understands when it is copied: a line that goes on ends in a backslash.
-
-    An option stays on one line with its values: a line breaks before an option, or before the first argument.
-    """
-    start = text.split(" ", 2)[:2]
-    rest = BEFORE_VALUE.sub(UNBROKEN, text.removeprefix(" ".join(start)).strip())
-    *first, last = wrapped(" ".join([*start, rest]), columns - 2, "  ")
-    return [*(f"{line} \\" for line in first), last]
 
 
 def show(report: Report) -> None:
