@@ -1,5 +1,7 @@
 """The cascaded observer, one IMU sample at a time: `begin` at the first sample, `step` at each that follows."""
 
+from collections.abc import Callable
+from functools import cache
 from typing import get_args
 
 import numpy as np
@@ -7,17 +9,17 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model, so3
-from rangenav.arguments import DOUBLE, array, described, finite_array, increasing_array, instance, number
+from rangenav.arguments import array, described, finite_array, increasing_array, instance, number
 from rangenav.attitude import MISALIGNED, Schedule
 from rangenav.cascade.values import ObserverConfig, Sample, Start, State, kernel
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import (
     ACCEL_FAULT,
-    ACQUISITION,
     COLLECTS,
     CONSTANT,
     GYRO_FAULT,
+    LENGTH,
     MAG_FAULT,
     MATCHED,
     NO_FAULT,
@@ -25,15 +27,15 @@ from rangenav.kernels.layout import (
     RANGE_FAULT,
     RANGE_TIME_FAULT,
     SCALE,
+    SHAPE_FAULT,
     TIME_FAULT,
-    Arrays,
     Parameters,
+    views,
 )
 from rangenav.motion import World
 from rangenav.riccati import Blocks
 from rangenav.sensors import NO_SAMPLE
 
-NO_PENDING = (np.nan, np.nan)
 VECTOR, MATRIX = (3,), (3, 3)
 FINITE = "gyro, accel and range must be finite"
 FAULTS = {
@@ -103,24 +105,21 @@ def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bo
     require(not np.isinf(mag).any(), f"{FAULTS[MAG_FAULT]}, at time {time:g}")
     range_time = increasing_array("range_time", first.range_time, ("r",))
     distance = finite_array("range", first.range, range_time.shape)
-    expected = start.rotation.T @ np.asarray(p.magnetic)
-    arrays = Arrays(
-        x=start.state.copy(),
-        P=np.diag(setting.gains.riccati.p0.diagonal()).ravel(),
-        turned=np.eye(3),
-        rotation=start.rotation.copy(),
-        gyro=finite_array("gyro", first.gyro, VECTOR).copy(),
-        accel=finite_array("accel", first.accel, VECTOR).copy(),
-        mag=expected if np.isnan(mag).any() else mag.copy(),
-        misaligned=np.array([MISALIGNED]),
-        pending=np.array(NO_PENDING),
-        acquisition=np.zeros(ACQUISITION),
+    packed, packed_parameters = np.zeros(LENGTH), p.packed()
+    arrays = views(packed)
+    arrays.x[:], arrays.P[:] = start.state, np.diag(setting.gains.riccati.p0.diagonal()).ravel()
+    arrays.turned[:], arrays.rotation[:] = np.eye(3), start.rotation
+    arrays.gyro[:], arrays.accel[:] = (
+        finite_array("gyro", first.gyro, VECTOR),
+        finite_array("accel", first.accel, VECTOR),
     )
+    arrays.mag[:] = start.rotation.T @ np.asarray(p.magnetic) if np.isnan(mag).any() else mag
+    arrays.gravity[:], arrays.misaligned[0], arrays.time[0] = start.state[model.GRAVITY], MISALIGNED, time
     arrays.acquisition[[PHASE, COLLECTS, SCALE]] = (MATCHED, 1.0, 1.0) if p.matched else (CONSTANT, 0.0, 1.0)
     at_start = range_time == time
     if at_start.any():
-        kernel().begin(arrays, float(distance[at_start][-1]), p)
-    return State(time=time, arrays=arrays, parameters=p)
+        kernel().begin(packed, float(distance[at_start][-1]), packed_parameters)
+    return State(packed=packed, packed_parameters=packed_parameters)
 
 
 def step(state: State, sample: Sample) -> State:
@@ -132,15 +131,23 @@ def step(state: State, sample: Sample) -> State:
         raise ValueError(f"state must be a cascade.State, got {described(state)}")
     if type(sample) is not Sample:
         raise ValueError(f"sample must be a cascade.Sample, got {described(sample)}")
-    time, gyro, accel, mag, range_time, distance = checked_sample(sample)
-    arrays = Arrays(*(part.copy() for part in state.arrays))
-    fault = kernel().step(
-        arrays, state.time, time, gyro, accel, mag, range_time, distance, np.empty((len(distance), 2)),
-        state.parameters,
-    )  # fmt: skip
+    time, gyro, accel, mag, range_time, distance = sample
+    packed, parameters = state.packed.copy(), state.packed_parameters
+    try:
+        fault = _step()(packed, time, gyro, accel, mag, range_time, distance, parameters)
+    except (TypeError, ValueError):  # something is no array of float64 in C order
+        fault = SHAPE_FAULT
     if fault != NO_FAULT:
-        _refuse_sample(fault, state.time, time)
-    return State(time=time, arrays=arrays, parameters=state.parameters)
+        checked = checked_sample(sample)
+        fault = _step()(packed, *checked, parameters)
+        if fault != NO_FAULT:
+            _refuse_sample(fault, state.time, checked[0])
+    return State(packed=packed, packed_parameters=parameters)
+
+
+@cache
+def _step() -> Callable[..., int]:
+    return kernel().compiled_step()
 
 
 def checked_sample(sample: Sample) -> tuple[float, Array, Array, Array, Array, Array]:
@@ -149,16 +156,10 @@ def checked_sample(sample: Sample) -> tuple[float, Array, Array, Array, Array, A
     Raises ValueError for an array of the wrong shape or type. The kernel itself checks that the numbers are finite.
     """
     time, gyro, accel, mag, range_time, distance = sample
-    time = number("time", time)
-    # Three tests in line: an array that is right already costs no call, which would take twice as long.
-    if not (type(gyro) is Array and gyro.dtype is DOUBLE and gyro.shape == VECTOR and gyro.flags.carray):
-        gyro = array("gyro", gyro, VECTOR)
-    if not (type(accel) is Array and accel.dtype is DOUBLE and accel.shape == VECTOR and accel.flags.carray):
-        accel = array("accel", accel, VECTOR)
-    if not (type(mag) is Array and mag.dtype is DOUBLE and mag.shape == VECTOR and mag.flags.carray):
-        mag = array("mag", mag, VECTOR, none=NO_SAMPLE)
+    gyro, accel = array("gyro", gyro, VECTOR), array("accel", accel, VECTOR)
+    mag = array("mag", mag, VECTOR, none=NO_SAMPLE)
     range_time = array("range_time", range_time, ("r",))
-    return time, gyro, accel, mag, range_time, array("range", distance, range_time.shape)
+    return number("time", time), gyro, accel, mag, range_time, array("range", distance, range_time.shape)
 
 
 def checked_start(start: Start) -> Start:

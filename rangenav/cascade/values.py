@@ -12,7 +12,7 @@ from numpy import ndarray as Array
 from rangenav import model
 from rangenav.acquisition import PHASES
 from rangenav.gains import Gains
-from rangenav.kernels.layout import PHASE, Arrays, Parameters
+from rangenav.kernels.layout import ACQUISITION_AT, PHASE, TIME_AT, Arrays, views
 from rangenav.motion import World, to_inertial
 from rangenav.results import result
 from rangenav.sensors import Sensors
@@ -92,12 +92,20 @@ class Sample(NamedTuple):
 class State:
     """The observer between two samples, made by `begin` and `step`. Treat it as a value: `step` returns a new one."""
 
-    time: float
-    """s, of the last sample."""
-    arrays: Arrays
-    """The kernel's own, in turned axes; read them through `state`, `std`, `rotation`."""
-    parameters: Parameters
+    packed: Float[Array, "k"]
+    """All numbers that change, one after the other, in turned axes; read them through `state`, `std`, `rotation`."""
+    packed_parameters: Float[Array, "p"]
     """The configuration in the kernel's terms."""
+
+    @property
+    def time(self) -> float:
+        """s, of the last sample."""
+        return float(self.packed[TIME_AT])
+
+    @property
+    def arrays(self) -> Arrays:
+        """The parts of `packed`, as views of it."""
+        return views(self.packed)
 
     @property
     def state(self) -> Float[Array, "13"]:
@@ -107,8 +115,8 @@ class State:
     @property
     def std(self) -> Float[Array, "13"]:
         """Square roots of P's diagonal, body axes, in the units of the state."""
-        vectors = np.diagonal(self._read()[1], axis1=-2, axis2=-1).ravel()
-        return np.sqrt(np.concatenate([self.arrays.P[: 4 * (model.STATES + 1) : model.STATES + 1], vectors]))
+        _, xi_variance, covariance = self._read()
+        return np.sqrt(np.concatenate([xi_variance, np.diagonal(covariance, axis1=-2, axis2=-1).ravel()]))
 
     @property
     def rotation(self) -> Float[Array, "3 3"]:
@@ -118,17 +126,17 @@ class State:
     @property
     def k1(self) -> float:
         """1/s, the attitude gain in force."""
-        return kernel().k1(self.arrays, self.parameters)
+        return kernel().k1(self.packed, self.packed_parameters)
 
     @property
     def phase(self) -> Literal["constant", "collecting", "matched", "lost"]:
         """Which gains are in force; see `acquisition.PHASES`."""
-        return PHASES[int(self.arrays.acquisition[PHASE])]
+        return PHASES[int(self.packed[ACQUISITION_AT + PHASE])]
 
-    def _read(self) -> tuple[Array, Array]:
-        state, covariance = np.empty(model.STATES), np.empty((3, 3, 3))
-        kernel().read(self.arrays, state, covariance)
-        return state, covariance
+    def _read(self) -> tuple[Array, Array, Array]:
+        states, xi_variance, covariances = np.empty((1, model.STATES)), np.empty((1, 4)), np.empty((1, 3, 3, 3))
+        kernel().read(self.packed, 0, states, xi_variance, covariances)
+        return states[0], xi_variance[0], covariances[0]
 
 
 @cache

@@ -33,8 +33,9 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
         phase=phase,
     )
     kernel().run(
-        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
-        estimate.covariance, estimate.rotation, k1, phase, estimate.innovation, _skipped(z), state.parameters,
+        state.packed, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
+        estimate.covariance, estimate.rotation, k1, phase, estimate.innovation, _skipped(z),
+        state.packed_parameters,
     )  # fmt: skip
     return estimate
 
@@ -54,8 +55,8 @@ def attitudes(
     estimates = np.empty((len(rotations), len(z.time), 3, 3))
     estimates[:, 0] = rotations
     kernel().run_attitudes(
-        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimates, np.empty((len(z.range), 2)),
-        _skipped(z), state.parameters,
+        state.packed, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimates, np.empty((len(z.range), 2)),
+        _skipped(z), state.packed_parameters,
     )  # fmt: skip
     return estimates
 
@@ -64,7 +65,10 @@ def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:
     """Whether the symmetric scheme applies: every range on an IMU stamp, at the IMU's rate. Gaps do not matter."""
     if sensors.range_rate != sensors.imu_rate:
         return False
-    return bool(np.isin(measurements.range_time, measurements.time).all())
+    time, stamps = measurements.time, measurements.range_time
+    if len(time) == 0 or len(stamps) == 0:
+        return len(stamps) == 0
+    return bool(np.array_equal(time[np.minimum(np.searchsorted(time, stamps), len(time) - 1)], stamps))
 
 
 def _first_sample(z: Measurements) -> Sample:

@@ -23,7 +23,7 @@ def gain(s, p):
 def rate(r, s, gyro, mag, gravity, p):
     """ω_y + k1(s) (ρ1 m_y × R̂ᵀm + ρ2 ĝ_B × R̂ᵀg), body axes, and the misalignment of the vectors, 0 if nobody asks.
 
-    gyro, mag and gravity (ĝ_B) are tuples or arrays of three.
+    gyro, mag and gravity (ĝ_B) are tuples of three.
     """
     mx, my, mz = rot.apply_inverse(r, p.magnetic[0], p.magnetic[1], p.magnetic[2])
     gx, gy, gz = rot.apply_inverse(r, p.gravity[0], p.gravity[1], p.gravity[2])

@@ -1,7 +1,10 @@
 """The whole cascade, one IMU interval at a time: predict in turned axes, correct with each range, turn the attitude.
 
 A range between two IMU samples splits the interval there. A range at an IMU sample is applied in full, or, in the
-symmetric (Strang) scheme, half before the estimate is read and half after, which makes x̂ and P second order in h.
+symmetric (Strang) scheme, half before the estimate is read and half after, which makes x̂ and P second order in h. Both
+halves have the same row and innovation, so that one correction in full makes both, at the start of the next interval:
+between the samples the state stands before it, and `read` shows what half of it makes.
+All that changes is one packed array `s`, in the places that `layout` names.
 """
 
 import numpy as np
@@ -10,18 +13,71 @@ from rangenav.kernels import acquisition, attitude, riccati
 from rangenav.kernels import rotation as rot
 from rangenav.kernels.jit import kernel
 from rangenav.kernels.layout import (
+    ACCEL_AT,
     ACCEL_FAULT,
+    ACQUISITION_AT,
     COLLECTS,
+    GRAVITY_AT,
+    GYRO_AT,
     GYRO_FAULT,
+    LENGTH,
+    MAG_AT,
     MAG_FAULT,
     MATCHED,
     MATCHED_V,
+    MISALIGNED_AT,
     NO_FAULT,
+    P_AT,
+    PENDING_AT,
     PHASE,
     RANGE_FAULT,
     RANGE_TIME_FAULT,
+    ROTATION_AT,
+    SHAPE_FAULT,
+    TIME_AT,
     TIME_FAULT,
+    TURNED_AT,
+    X_AT,
+    Parameters,
 )
+
+STEP = f"int64(float64[::1], float64{6 * ', float64[::1]'})"
+"""The types of `step`."""
+
+
+@kernel
+def unpacked(n):
+    """The parameters from `Parameters.packed`."""
+    return Parameters(
+        gravity=(n[0], n[1], n[2]),
+        magnetic=(n[3], n[4], n[5]),
+        b4=n[6],
+        variance=n[7],
+        v=(n[8], n[9], n[10], n[11]),
+        p0=(n[12], n[13], n[14], n[15]),
+        k1=n[16],
+        rho1=n[17],
+        rho2=n[18],
+        scheduled=n[19] != 0.0,
+        k1_steady=n[20],
+        halfway=n[21],
+        memory=n[22],
+        symmetric=n[23] != 0.0,
+        matched=n[24] != 0.0,
+        range_sigma=n[25],
+        accel_density=n[26],
+        gyro_density=n[27],
+    )
+
+
+@kernel
+def _three(flat, at):
+    return flat[at], flat[at + 1], flat[at + 2]
+
+
+@kernel
+def _row(matrix, k):
+    return matrix[k, 0], matrix[k, 1], matrix[k, 2]
 
 
 @kernel
@@ -82,73 +138,79 @@ def _add_noise(x, P, h, matched, p):
 
 
 @kernel
-def begin(s, distance, p):
+def begin(s, distance, packed):
     """Keep the correction by a range at the very first IMU sample: it is applied when the first interval starts."""
-    a, y, matched = s.acquisition, measured_y(distance, p), s.acquisition[PHASE] == MATCHED
-    variance = range_variance(s.x, matched, p)
+    p, x, P, a = unpacked(packed), s[X_AT:P_AT], s[P_AT:TURNED_AT], s[ACQUISITION_AT:LENGTH]
+    y, matched = measured_y(distance, p), a[PHASE] == MATCHED
+    variance = range_variance(x, matched, p)
     if a[COLLECTS] > 0:
         acquisition.collect(a, y, p)
-    if not (matched and acquisition.outlier(a, y - s.x[0], s.P[0] + variance)):
-        s.pending[0], s.pending[1] = y, variance * (2 if p.symmetric else 1)
+    if not (matched and acquisition.outlier(a, y - x[0], P[0] + variance)):
+        s[PENDING_AT], s[PENDING_AT + 1] = y, variance * (2 if p.symmetric else 1)
 
 
 @kernel
-def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, innovation, p):
-    """Move the state from IMU sample t0 to t1, applying ranges first ≤ j < last, all stamped in (t0, t1].
+def advance(s, t1, gyro1, accel1, mag1, range_time, distance, first, last, innovation, p):
+    """Move the state to the IMU sample at t1, applying ranges first ≤ j < last, all stamped after the last sample.
 
-    innovation[j] ← (y − ŷ, its variance) for each of them.
+    gyro1, accel1, mag1: tuples. innovation[j] ← (y − ŷ, its variance) for each range.
     """
-    x, P, a, interval, reached = s.x, s.P, s.acquisition, t1 - t0, 0.0
+    x, P, a = s[X_AT:P_AT], s[P_AT:TURNED_AT], s[ACQUISITION_AT:LENGTH]
+    t0, reached = s[TIME_AT], 0.0
+    interval = t1 - t0
     collects, matched = a[COLLECTS] > 0, a[PHASE] == MATCHED
-    old = rot.load(s.turned)
-    gravity0 = rot.apply_inverse(old, x[10], x[11], x[12])
-    if not np.isnan(s.pending[0]):
-        riccati.correct(x, P, s.pending[0], s.pending[1])
-        s.pending[0] = np.nan
+    gyro0, accel0, mag0 = _three(s, GYRO_AT), _three(s, ACCEL_AT), _three(s, MAG_AT)
+    gravity0, old = _three(s, GRAVITY_AT), rot.load_at(s, TURNED_AT)
+    if s[PENDING_AT + 1] > 0:
+        riccati.correct(x, P, s[PENDING_AT], s[PENDING_AT + 1])
+    s[PENDING_AT + 1] = s[PENDING_AT + 2] = 0.0
     turned = old
     for j in range(first, last + 1):  # up to each range, then up to the end: one call compiles in half the time of two
         at_end = j == last or range_time[j] == t1
         fraction = 1.0 if at_end else (range_time[j] - t0) / interval
         if fraction > reached:
-            turned = propagate(x, P, a, turned, s.gyro, gyro1, s.accel, accel1, reached, fraction, interval, p)
+            turned = propagate(x, P, a, turned, gyro0, gyro1, accel0, accel1, reached, fraction, interval, p)
             reached = fraction
         if j == last:
             break
         y, variance = measured_y(distance[j], p), range_variance(x, matched, p)
         if collects:
             acquisition.collect(a, y, p)
+        innovation[j, 0], innovation[j, 1] = y - x[0], P[0] + variance
         if matched and acquisition.outlier(a, y - x[0], P[0] + variance):
-            innovation[j, 0], innovation[j, 1] = y - x[0], P[0] + variance
             continue
         if p.symmetric and at_end:
-            variance *= 2
-            s.pending[0], s.pending[1] = y, variance
-        innovation[j, 0], total = riccati.correct(x, P, y, variance)
-        innovation[j, 1] = total - variance / 2 if p.symmetric and at_end else total  # of the whole correction
+            s[PENDING_AT], s[PENDING_AT + 1], s[PENDING_AT + 2] = y, variance, 2 * variance
+        else:
+            riccati.correct(x, P, y, variance)
     if matched:
         riccati.remind(x, P, interval)
         acquisition.watch(a, P, p)
     if collects:
         acquisition.start(a, x, P, p)
     turned = rot.orthonormal(turned)
-    rot.store(turned, s.turned)
-    mag0, new_mag = (s.mag[0], s.mag[1], s.mag[2]), (mag1[0], mag1[1], mag1[2])
+    new_mag = mag1
     if np.isnan(mag1[0] + mag1[1] + mag1[2]):  # no new sample: the last one, carried along by the gyro
         mx, my, mz = rot.apply(old, mag0[0], mag0[1], mag0[2])
         new_mag = rot.apply_inverse(turned, mx, my, mz)
-    gravity1 = rot.apply_inverse(turned, x[10], x[11], x[12])
-    rotation, s.misaligned[0] = attitude.step(
-        rot.load(s.rotation), s.misaligned[0], s.gyro, gyro1, mag0, new_mag, gravity0, gravity1, interval, p
+    step, _, _ = riccati.shown(x, P, s[PENDING_AT], s[PENDING_AT + 2])
+    gravity1 = rot.apply_inverse(turned, x[10] + P[10] * step, x[11] + P[11] * step, x[12] + P[12] * step)
+    rotation, s[MISALIGNED_AT] = attitude.step(
+        rot.load_at(s, ROTATION_AT), s[MISALIGNED_AT], gyro0, gyro1, mag0, new_mag, gravity0, gravity1, interval, p
     )
-    rot.store(rotation, s.rotation)
+    rot.store_at(turned, s, TURNED_AT)
+    rot.store_at(rotation, s, ROTATION_AT)
     for i in range(3):
-        s.gyro[i], s.accel[i], s.mag[i] = gyro1[i], accel1[i], new_mag[i]
+        s[GYRO_AT + i], s[ACCEL_AT + i], s[MAG_AT + i], s[GRAVITY_AT + i] = gyro1[i], accel1[i], new_mag[i], gravity1[i]
+    s[TIME_AT] = t1
 
 
 @kernel
 def fault(t0, t1, gyro, accel, mag, range_time, distance):
-    """The first thing that is wrong with a sample: stamps out of order, or a number that is not finite."""
-    if not t1 > t0:
+    """The first thing that is wrong with a sample: a shape, stamps out of order, or a number that is not finite."""
+    if not (len(gyro) == 3 and len(accel) == 3 and len(mag) == 3 and len(distance) == len(range_time)):
+        return SHAPE_FAULT
+    if not t1 > t0 or np.isinf(t1):
         return TIME_FAULT
     for i in range(3):
         if not np.isfinite(gyro[i]):
@@ -168,57 +230,87 @@ def fault(t0, t1, gyro, accel, mag, range_time, distance):
 
 
 @kernel
-def step(s, t0, t1, gyro1, accel1, mag1, range_time, distance, innovation, p):
+def step(s, t1, gyro, accel, mag, range_time, distance, packed):
     """`advance` with all the ranges of a sample, unless the sample has a fault; returns the fault."""
-    found = fault(t0, t1, gyro1, accel1, mag1, range_time, distance)
+    found = fault(s[TIME_AT], t1, gyro, accel, mag, range_time, distance)
     if found == NO_FAULT:
-        advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, 0, len(distance), innovation, p)
+        count = len(distance)
+        advance(
+            s, t1, _three(gyro, 0), _three(accel, 0), _three(mag, 0), range_time, distance, 0, count,
+            np.empty((count, 2)), unpacked(packed),
+        )  # fmt: skip
     return found
 
 
+def compiled_step():
+    """`step` for arrays of float64 in C order alone: a call with others raises TypeError and compiles nothing."""
+    step.compile(STEP)
+    step.disable_compile()
+    return step
+
+
 @kernel
-def read(s, state, covariance):
-    """state ← x̂ and covariance ← the position, velocity and gravity blocks of P, all in body axes."""
-    x, P, t = s.x, s.P, rot.load(s.turned)
+def read(s, k, states, xi_variance, covariances):
+    """Row k of each: x̂, the first four of P's diagonal, its position, velocity and gravity blocks, in body axes."""
+    x, P, t = s[X_AT:P_AT], s[P_AT:TURNED_AT], rot.load_at(s, TURNED_AT)
+    step, root, kept = riccati.shown(x, P, s[PENDING_AT], s[PENDING_AT + 2])
     for i in range(4):
-        state[i] = x[i]
+        states[k, i] = x[i] + P[i] * step
+        u = P[i] * root
+        xi_variance[k, i] = P[14 * i] - u * u
+    xi_variance[k, 0] = P[0] * kept
     for block in range(3):
         o = 4 + 3 * block
-        state[o], state[o + 1], state[o + 2] = rot.apply_inverse(t, x[o], x[o + 1], x[o + 2])
+        ux, uy, uz = P[o] * root, P[o + 1] * root, P[o + 2] * root
+        states[k, o], states[k, o + 1], states[k, o + 2] = rot.apply_inverse(
+            t, x[o] + P[o] * step, x[o + 1] + P[o + 1] * step, x[o + 2] + P[o + 2] * step
+        )
         d = 14 * o
-        xx, xy, xz, yy, yz, zz = P[d], P[d + 1], P[d + 2], P[d + 14], P[d + 15], P[d + 28]
+        xx, xy, xz = P[d] - ux * ux, P[d + 1] - ux * uy, P[d + 2] - ux * uz
+        yy, yz, zz = P[d + 14] - uy * uy, P[d + 15] - uy * uz, P[d + 28] - uz * uz
         for i in range(3):
             tx, ty, tz = t[i], t[3 + i], t[6 + i]
             cx, cy, cz = xx * tx + xy * ty + xz * tz, xy * tx + yy * ty + yz * tz, xz * tx + yz * ty + zz * tz
             for j in range(i + 1):
-                covariance[block, i, j] = t[j] * cx + t[3 + j] * cy + t[6 + j] * cz
-                covariance[block, j, i] = covariance[block, i, j]
+                covariances[k, block, i, j] = t[j] * cx + t[3 + j] * cy + t[6 + j] * cz
+                covariances[k, block, j, i] = covariances[k, block, i, j]
 
 
 @kernel
 def run(
     s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, gains, phases,
-    innovation, first, p
+    innovation, first, packed
 ):  # fmt: skip
     """Run a whole record from its range number `first` on, writing the estimate at every IMU sample."""
+    p = unpacked(packed)
     for k in range(len(time)):
         if k > 0:
             last = due(range_time, first, time[k])
             advance(
-                s, time[k - 1], time[k], gyro[k], accel[k], mag[k], range_time, distance, first, last, innovation, p
+                s,
+                time[k],
+                _row(gyro, k),
+                _row(accel, k),
+                _row(mag, k),
+                range_time,
+                distance,
+                first,
+                last,
+                innovation,
+                p,
             )
             first = last
-        read(s, states[k], covariances[k])
-        for i in range(4):
-            xi_variance[k, i] = s.P[14 * i]
-        rot.store(rot.load(s.rotation), rotations[k])
-        gains[k], phases[k] = attitude.gain(s.misaligned[0], p), s.acquisition[PHASE]
+        read(s, k, states, xi_variance, covariances)
+        for i in range(3):
+            for j in range(3):
+                rotations[k, i, j] = s[ROTATION_AT + 3 * i + j]
+        gains[k], phases[k] = attitude.gain(s[MISALIGNED_AT], p), s[ACQUISITION_AT + PHASE]
 
 
 @kernel
-def k1(s, p):
+def k1(s, packed):
     """The attitude gain in force."""
-    return attitude.gain(s.misaligned[0], p)
+    return attitude.gain(s[MISALIGNED_AT], unpacked(packed))
 
 
 @kernel
@@ -230,27 +322,23 @@ def due(range_time, first, time):
 
 
 @kernel
-def run_attitudes(s, time, gyro, accel, mag, range_time, distance, rotations, innovation, first, p):
+def run_attitudes(s, time, gyro, accel, mag, range_time, distance, rotations, innovation, first, packed):
     """Run a whole record once for x̂, and one attitude filter from each R̂(0) in rotations[:, 0].
 
     rotations[j, k] ← R̂ of filter j at sample k. All filters share one x̂, because in the cascade x̂ does not depend on R̂.
     """
-    misaligned = np.full(len(rotations), s.misaligned[0])
+    p, misaligned = unpacked(packed), np.full(len(rotations), s[MISALIGNED_AT])
     for k in range(1, len(time)):
         last = due(range_time, first, time[k])
-        mag0, gravity0 = (s.mag[0], s.mag[1], s.mag[2]), gravity(s)
-        advance(s, time[k - 1], time[k], gyro[k], accel[k], mag[k], range_time, distance, first, last, innovation, p)
-        gravity1, h = gravity(s), time[k] - time[k - 1]
+        mag0, gravity0 = _three(s, MAG_AT), _three(s, GRAVITY_AT)
+        advance(
+            s, time[k], _row(gyro, k), _row(accel, k), _row(mag, k), range_time, distance, first, last, innovation, p
+        )
+        mag1, gravity1, h = _three(s, MAG_AT), _three(s, GRAVITY_AT), time[k] - time[k - 1]
         for j in range(len(rotations)):
             r = rot.load(rotations[j, k - 1])
             r, misaligned[j] = attitude.step(
-                r, misaligned[j], gyro[k - 1], gyro[k], mag0, s.mag, gravity0, gravity1, h, p
+                r, misaligned[j], _row(gyro, k - 1), _row(gyro, k), mag0, mag1, gravity0, gravity1, h, p
             )
             rot.store(r, rotations[j, k])
         first = last
-
-
-@kernel
-def gravity(s):
-    """ĝ_B"""
-    return rot.apply_inverse(rot.load(s.turned), s.x[10], s.x[11], s.x[12])

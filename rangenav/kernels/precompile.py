@@ -28,31 +28,35 @@ def _compile(named: Callable[[], list[tuple[str, Stage]]], progress: Callable[[f
 
 def _stages() -> list[tuple[str, Stage]]:
     from rangenav.kernels import attitude, cascade, errors, riccati, rotation
-    from rangenav.kernels.layout import ACQUISITION, Arrays, Parameters
+    from rangenav.kernels.layout import LENGTH, Parameters, views
 
-    vector, matrix, state = np.zeros(3), np.eye(3), np.zeros(13)
     p = Parameters(
         gravity=(0.0, 0.0, 9.81), magnetic=(1.0, 0.0, 0.0), b4=1.0, variance=1.0, v=(1.0, 1.0, 1.0, 1.0),
         p0=(1.0, 1.0, 1.0, 1.0), k1=1.0,
         rho1=1.0, rho2=1.0, scheduled=True, k1_steady=1.0, halfway=1.0, memory=1.0, symmetric=True, matched=False,
         range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
-    )  # fmt: skip
-    s = Arrays(
-        x=state, P=np.eye(13).ravel(), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(),
-        accel=vector.copy(), mag=vector.copy(), misaligned=np.ones(1), pending=np.full(2, np.nan),
-        acquisition=np.zeros(ACQUISITION),
-    )  # fmt: skip
+    ).packed()  # fmt: skip
+    s, matrix, three = np.zeros(LENGTH), np.eye(3), (0.0, 0.0, 9.81)
+    arrays = views(s)
+    arrays.P[::14], arrays.turned[:], arrays.rotation[:] = 1.0, matrix, matrix
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
-    r, pairs = rotation.load(matrix), np.empty((2, 2))
+    r, one, pairs = rotation.load(matrix), np.ones(1), np.empty((2, 2))
+    known = cascade.unpacked(p)
     return [
         ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), r))),
-        ("attitude filter", lambda: attitude.step(r, 1.0, vector, vector, vector, vector, vector, vector, 1e-3, p)),
-        ("Riccati prediction", lambda: riccati.predict_covariance(s.P, 0.0, 0.0, 9.8, 1e-3)),
-        ("Riccati correction", lambda: riccati.correct(s.x, s.P, 1.0, 1.0)),
+        ("attitude filter", lambda: attitude.step(r, 1.0, three, three, three, three, three, three, 1e-3, known)),
+        ("Riccati prediction", lambda: riccati.predict_covariance(arrays.P, 0.0, 0.0, 9.8, 1e-3)),
+        ("Riccati correction", lambda: riccati.correct(arrays.x, arrays.P, 1.0, 1.0)),
         ("first sample", lambda: cascade.begin(s, 1.0, p)),
-        ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, pairs, p)),
-        ("one sample", lambda: cascade.step(s, 0.0, 1e-3, vector, vector, vector, time[1:], ranges[1:], pairs, p)),
-        ("reading the estimate", lambda: (cascade.read(s, np.empty(13), np.empty((3, 3, 3))), cascade.k1(s, p))),
+        ("one step", lambda: cascade.advance(s, 1e-3, three, three, three, time, ranges, 1, 2, pairs, known)),
+        ("one sample", lambda: cascade.compiled_step()(s, 2e-3, rows[0], rows[0], rows[0], one * 2e-3, one, p)),
+        (
+            "reading the estimate",
+            lambda: (
+                cascade.read(s, 0, np.empty((1, 13)), np.empty((1, 4)), np.empty((1, 3, 3, 3))),
+                cascade.k1(s, p),
+            ),
+        ),
         (
             "whole record",
             lambda: cascade.run(

@@ -160,6 +160,16 @@ def correct(x, P, y, variance):
 
 
 @kernel
+def shown(x, P, y, variance):
+    """What a correction that is shown, and not made, adds: P₁ᵢ times the first number to x̂ᵢ; products of two P₁ᵢ times
+    the second number are taken from P, and P₁₁ is multiplied by the third."""
+    if variance == 0.0:
+        return 0.0, 0.0, 1.0
+    inverse = 1 / (P[0] + variance)
+    return (y - x[0]) * inverse, np.sqrt(inverse), variance * inverse
+
+
+@kernel
 def remind(x, P, h):
     """One correction with 0 = ξ1 − ½|p|², linearised at x̂: the residual is ½|p̂|² − ξ̂1 + ½ tr P_pp, row (1, −p̂).
 

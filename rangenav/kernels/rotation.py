@@ -1,29 +1,36 @@
 """Small rotations as tuples of nine numbers, row by row: they live in registers and never allocate."""
 
+import math
+
 import numpy as np
 
 from rangenav.kernels.jit import kernel
 
-SMALL_SQUARE = 1e-4
-"""rad²; below it sin θ/θ and (1 − cos θ)/θ² are series whose first dropped term is under 1e-20."""
+SMALL_SQUARE = 0.1
+"""rad²; below it sin θ/θ and (1 − cos θ)/θ² are series whose first dropped term is under 1e-19."""
+SIN = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(1, 7))
+COS = tuple((-1) ** k / math.factorial(2 * k + 2) for k in range(1, 7))
+"""Their coefficients from the second on: products, since a division takes as long as ten of them."""
 
 
 @kernel
 def exp(x, y, z):
     """exp([w]x) of w = (x, y, z), by Rodrigues' formula."""
-    square = x * x + y * y + z * z
-    if square < SMALL_SQUARE:
-        a = 1 - square / 6 * (1 - square / 20 * (1 - square / 42))
-        b = 0.5 - square / 24 * (1 - square / 30 * (1 - square / 56))
+    xx, yy, zz = x * x, y * y, z * z
+    s = xx + yy + zz
+    if s < SMALL_SQUARE:
+        a = 1 + s * (SIN[0] + s * (SIN[1] + s * (SIN[2] + s * (SIN[3] + s * (SIN[4] + s * SIN[5])))))
+        b = 0.5 + s * (COS[0] + s * (COS[1] + s * (COS[2] + s * (COS[3] + s * (COS[4] + s * COS[5])))))
     else:
-        angle = np.sqrt(square)
+        angle = np.sqrt(s)
         half = np.sin(angle / 2)
         a = np.sin(angle) / angle
-        b = 2 * half * half / square
+        b = 2 * half * half / s
+    bx, by, ax, ay, az = b * x, b * y, a * x, a * y, a * z
     return (
-        1 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y,
-        b * x * y + a * z, 1 - b * (x * x + z * z), b * y * z - a * x,
-        b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y),
+        1 - b * (yy + zz), bx * y - az, bx * z + ay,
+        bx * y + az, 1 - b * (xx + zz), by * z - ax,
+        bx * z - ay, by * z + ax, 1 - b * (xx + yy),
     )  # fmt: skip
 
 
@@ -43,6 +50,23 @@ def store(r, matrix):
     matrix[0, 0], matrix[0, 1], matrix[0, 2] = r[0], r[1], r[2]
     matrix[1, 0], matrix[1, 1], matrix[1, 2] = r[3], r[4], r[5]
     matrix[2, 0], matrix[2, 1], matrix[2, 2] = r[6], r[7], r[8]
+
+
+@kernel
+def load_at(flat, at):
+    """The tuple of nine numbers that stand in a flat array from `at` on."""
+    return (
+        flat[at], flat[at + 1], flat[at + 2],
+        flat[at + 3], flat[at + 4], flat[at + 5],
+        flat[at + 6], flat[at + 7], flat[at + 8],
+    )  # fmt: skip
+
+
+@kernel
+def store_at(r, flat, at):
+    """Write a tuple into a flat array from `at` on."""
+    for i in range(9):
+        flat[at + i] = r[i]
 
 
 @kernel

@@ -113,10 +113,14 @@ def check(measurements: Measurements) -> Measurements:
     for name, stamps in (("time", z.time), ("range_time", z.range_time)):
         _refuse_first(np.asarray(~(np.diff(stamps) > 0)), f"{name} must increase", offset=1)
     for name in ("gyro", "accel", "range", "time", "range_time"):
-        finite = np.asarray(np.isfinite(getattr(z, name)))
-        _refuse_first(np.asarray(~finite.all(axis=tuple(range(1, finite.ndim)))), f"{name} must be finite")
-    _refuse_first(np.asarray(np.isinf(z.mag).any(axis=-1)), "mag must be finite, or NaN where there is none")
+        _refuse_first(_unlike(np.isfinite(getattr(z, name))), f"{name} must be finite")
+    _refuse_first(_unlike(~np.isinf(z.mag)), "mag must be finite, or NaN where there is none")
     return z
+
+
+def _unlike(good: Bool[Array, "n *k"]) -> Bool[Array, "m"]:
+    """Which samples have a number that is not good; where all are good, which takes a tenth of the time, no list."""
+    return np.zeros(0, dtype=bool) if good.all() else np.asarray(~good.reshape(len(good), -1).all(axis=1))
 
 
 def _in_shape(z: Measurements) -> Measurements:
