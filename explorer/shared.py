@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from explorer.model.classroom import Classroom
+from explorer.model.pace import Pace
 from explorer.model.turns import Places, Share
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
@@ -73,6 +74,8 @@ class Shared:
     classroom: Classroom = field(default_factory=Classroom)
     """What the teacher shows, and where the students are."""
     metrics: Metrics = field(default_factory=Metrics)
+    pace: Pace = field(default_factory=Pace)
+    """How often the playing pages are drawn."""
     address: str = ""
     """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
-import numpy as np
 from viser import ClientHandle
 
 from explorer.charts import cursor_values, markup, plot_file, plot_list
@@ -85,8 +84,9 @@ class Charts:
         """Whether the slow groups may be drawn: nothing has changed for a moment."""
         self._switched_off: dict[str, set[int]] = {name: set() for name in TITLES}
         self._pointer.add_to(client.gui)  # outside the panels: one that is folded has nothing in the page
-        self._live = client.gui.add_html("")
-        """The one element that changes as time moves, also where no plot is in sight."""
+        self._moving, self._values = client.gui.add_html(""), client.gui.add_html("")
+        """The elements that change as time moves, also where no plot is in sight: the cursors at every frame, and the
+        values seldom enough to be read."""
         self._over: LargeView | SideBySide | None = None
         """The window that lies over the page."""
         self._size = size
@@ -206,22 +206,30 @@ class Charts:
             self._draw_over()
         self.cursor(picture, self._time)
 
-    def cursor(self, picture: Picture, time: float) -> None:
+    def cursor(self, picture: Picture, time: float, *, values: bool = True) -> None:
         """Move the time cursor of all plots to a time (s), show or hide the curves whose legend entries were clicked,
-        and give the values at the mouse, or else at the cursor. One small message."""
+        and give the values at the mouse, or else at the cursor; `values` may stay while time moves."""
         self._time = time
         self._toggle_clicked()
+        duration = float(picture.motion.time[-1])
+        fraction, window = min(max(time / duration, 0.0), 1.0), cursor_values.window_at(picture, time)
+        moving = markup.moving_style(fraction, window)
+        if moving != self._moving.content:
+            self._moving.content = moving
+        if values:
+            self._write_values(picture, time)
+
+    def _write_values(self, picture: Picture, time: float) -> None:
         duration, pointed = float(picture.motion.time[-1]), self._pointer.fraction
         if not self._cursor_drawn.changed(picture, time, pointed):
             return
         values_at = time if pointed is None else pointed * duration
         hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
-        fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
         in_sight = (chart for chart in self.charts if chart.is_among(self._in_sight))
         charts = (*in_sight, *(self._over.charts if isinstance(self._over, SideBySide) else ()))
         values = [entry for chart in charts for entry in chart.legend_values(values_at)]
         status = cursor_values.status_line(picture, time)
-        self._live.content = markup.live_style(fraction, window, values, status, hovered)
+        self._values.content = markup.values_style(values, status, hovered)
 
     def take_brush(self) -> tuple[float, float] | None:
         """The part of the time axis that was brushed since the last call: start and end (s), equal for a click."""

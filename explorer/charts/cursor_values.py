@@ -33,7 +33,7 @@ def status_line(picture: Picture, time: float) -> str:
 def window_at(picture: Picture, time: float) -> tuple[float, float]:
     """Start and length, as shares of the duration, of the window that starts at a time, or of the last one before."""
     duration, length = float(picture.motion.time[-1]), picture.preset.requirement.window
-    return float(np.clip(time, 0.0, duration - length)) / duration, length / duration
+    return min(max(time, 0.0), duration - length) / duration, length / duration
 
 
 def row_at(drawing: Drawing, time: float) -> np.ndarray:

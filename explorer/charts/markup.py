@@ -3,7 +3,8 @@
 A plot cannot move a line cheaply. The cursor is therefore a strip of HTML at
     left = f width,   f = time / duration,
 over the drawing area of the plot.
-The share f and every value in the legends are CSS variables, so that one small <style> moves all cursors at once. While
+The share f and every value in the legends are CSS variables, so that one small <style> moves all cursors at once, and
+another one writes all values. While
 the mouse is on a plot, the legends give the values there, and every plot shows that time. Entries of a legend are
 buttons whose clicks pointer.py collects. No text of a visitor enters this HTML.
 """
@@ -174,18 +175,17 @@ def paragraphs(lines: Iterable[str]) -> str:
     return "".join(f'<div style="padding:2px {MARGIN}px;{TEXT_STYLE}">{escape(line)}</div>' for line in lines)
 
 
-def live_style(
-    fraction: float,
-    window: tuple[float, float],
-    values: Iterable[tuple[str, str]],
-    status: str,
-    hovered: tuple[float, str] | None,
-) -> str:
-    """The one element that changes as time moves: positions of cursor and window, the values in the legends, the
-    status line, and the mouse's share of the time axis with the time there."""
-    assigned = f"{WINDOW_FROM}:{window[0]:.5f};{WINDOW_SPAN}:{window[1]:.5f};"
-    assigned += "".join(f'{name}:"{text}";' for name, text in values)
+def moving_style(fraction: float, window: tuple[float, float]) -> str:
+    """What changes at every frame: the positions of cursor and window, as shares of the time axis."""
+    start, span = window
+    return f"<style>:root{{{FRACTION}:{fraction:.5f};{WINDOW_FROM}:{start:.5f};{WINDOW_SPAN}:{span:.5f};}}</style>"
+
+
+def values_style(values: Iterable[tuple[str, str]], status: str, hovered: tuple[float, str] | None) -> str:
+    """What changes as time moves, and is to be read: the values in the legends, the status line, and the mouse's share
+    of the time axis with the time there."""
+    assigned = "".join(f'{name}:"{text}";' for name, text in values)
     if hovered is not None:
         assigned += f'{HOVERED}:{hovered[0]:.4f};{HOVERED_TIME}:"{hovered[1]}";'
     line = f'<div class="rn-status">{status}</div>'
-    return f"<style>:root{{{FRACTION}:{fraction:.5f};{assigned}}}</style>{line}"
+    return f"<style>:root{{{assigned}}}</style>{line}"

@@ -2,8 +2,6 @@
 
 import math
 
-FRAME_RATE = 30.0
-"""Frames per second while playing; a late frame is dropped."""
 STEP = 0.05
 """s by which an arrow key moves the playhead."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -60,9 +58,13 @@ class Playback:
         """Take over the duration (s) of another run."""
         self.duration, self.time = duration, min(self.time, duration)
 
-    def wait(self, now: float) -> float | None:
-        """How long (s) until the next frame is due; None while paused."""
-        return max(0.0, self._last + 1.0 / FRAME_RATE - now) if self.playing else None
+    def due(self, period: float) -> float:
+        """When (s, monotonic) the frame is due that comes a period (s) after the last."""
+        return self._last + period
+
+    def wait(self, now: float, period: float) -> float | None:
+        """How long (s) until that frame is due; None while paused."""
+        return max(0.0, self.due(period) - now) if self.playing else None
 
     def toggle_loop(self) -> None:
         """Switch between looping and stopping at the end."""

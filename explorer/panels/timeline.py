@@ -9,6 +9,7 @@ from typing import Literal
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 from explorer.model.playback import STEP, Playback
 from explorer.web.elements import element_id
 from explorer.widgets import typed_number
@@ -51,7 +52,7 @@ STRIP = (
 MARK = '<span class="rn-mark" style="left:{:.2f}%;color:{}" title="{}">{}</span>'
 TIME, TICK = "t (s)", 0.01
 """Label of the slider, and s between two of its positions."""
-REDRAW = 0.1
+REDRAW = 0.2
 """s between two updates of the slider while playing; the scene is updated at every frame."""
 KEEP_CAMERA_STILL = (
     # viser also turns its camera with the arrow keys; its listener sits one level further out than that of the hotkeys.
@@ -66,7 +67,7 @@ class TimelinePanel:
 
     def __init__(self, form: Form, playback: Playback) -> None:
         self._form, self._playback = form, playback
-        self._shown_time, self._moved_at = 0.0, -REDRAW
+        self._shown_time, self._moved_at, self._state_drawn = 0.0, -REDRAW, Drawn()
         self.actions: dict[str, Action] = {
             "home": lambda: playback.seek(0.0),
             "back": lambda: playback.seek(playback.time - STEP),
@@ -105,13 +106,15 @@ class TimelinePanel:
         if self._slider.max != end:
             self._slider.max = end
         self._move_slider(round(playback.time, 2), now, playing=playback.playing)
+        if not self._state_drawn.changed(playback.playing, playback.speed, playback.loop):
+            return
         state = "playing" if playback.playing else "paused"
         faces = {name: face for name, (face, _) in BUTTONS.items()} | ({"play": "❚❚ pause"} if playback.playing else {})
         buttons = (BUTTON.format(name, hint, hint, faces[name]) for name, (_, hint) in BUTTONS.items())
         label = f"{state} ×{playback.speed:g}{' ↻' if playback.loop else ''}"
-        content = f'<div class="rn-transport">{"".join(buttons)}<span class="rn-state">{label}</span></div>'
-        if content != self._buttons.content:
-            self._buttons.content = content
+        self._buttons.content = (
+            f'<div class="rn-transport">{"".join(buttons)}<span class="rn-state">{label}</span></div>'
+        )
 
     def _move_slider(self, moment: float, now: float, *, playing: bool) -> None:
         """Move the slider, unless the visitor has moved it meanwhile."""

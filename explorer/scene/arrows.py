@@ -13,6 +13,7 @@ from viser import SceneApi
 from explorer.model import palette
 from explorer.scene.bounds import rotation_from_x
 from explorer.scene.labels import Labels
+from explorer.web.frames import place, turn
 
 ALONG_X = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], dtype=np.float32)
 BOTH_WAYS = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]], dtype=np.float32)
@@ -64,12 +65,12 @@ class Arrow:
         norm = float(np.linalg.norm(direction))
         visible = self.enabled and np.isfinite(norm) and norm > 0
         if visible:
-            self._node.wxyz = rotation_from_x(direction)
+            turn(self._node, rotation_from_x(direction))
             self._direction = direction / norm
         self._node.visible = bool(visible)
 
     def place(self, position: Float[Array, "3"]) -> None:
-        self._node.position = position
+        place(self._node, position)
 
     def set_label(self, text: str) -> None:
         self._label.write(text)

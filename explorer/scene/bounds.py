@@ -123,7 +123,7 @@ def near_truth(positions: Float[Array, "n 3"], motion: Motion, bounds: SceneBoun
 
 def nearest_sample(grid: Float[Array, "n"], time: float) -> int:
     """The sample nearest to a time."""
-    return int(np.clip(np.searchsorted(grid, time - (grid[1] - grid[0]) / 2), 0, len(grid) - 1))
+    return min(int(grid.searchsorted(time - float(grid[1] - grid[0]) / 2)), len(grid) - 1)
 
 
 def dashes_along(
@@ -164,6 +164,24 @@ def rotation_from_x(direction: Float[Array, "3"]) -> tuple[float, float, float, 
         return 0.0, 0.0, 0.0, 1.0
     length = math.sqrt(2 * (1 + x))
     return float((1 + x) / length), 0.0, float(-z / length), float(y / length)
+
+
+def quaternion(rotation: Float[Array, "3 3"]) -> tuple[float, float, float, float]:
+    """The unit quaternion (w, x, y, z) of a rotation matrix, w ≥ 0. Of 4q², the greatest of its entries on the diagonal
+    is divided by, so that no small number is."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    w, x, y, z = 1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i
+    greatest = max(w, x, y, z)
+    if greatest == w:
+        q = w, h - f, c - g, d - b
+    elif greatest == x:
+        q = h - f, x, b + d, c + g
+    elif greatest == y:
+        q = c - g, b + d, y, f + h
+    else:
+        q = d - b, c + g, f + h, z
+    length = math.copysign(math.hypot(*q), q[0])
+    return q[0] / length, q[1] / length, q[2] / length, q[3] / length
 
 
 def ellipsoid_axes(covariance: Float[Array, "3 3"]) -> tuple[Float[Array, "3"], Float[Array, "3 3"]] | None:

@@ -5,15 +5,15 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import SceneApi
-from viser.transforms import SO3
 
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.scene.airframe import shape_of
 from explorer.scene.arrows import Arrow
-from explorer.scene.bounds import SCENE_RADII, SceneBounds, ellipsoid_axes, last_known
+from explorer.scene.bounds import SCENE_RADII, SceneBounds, ellipsoid_axes, last_known, quaternion
 from explorer.scene.labels import Labels
 from explorer.scene.vehicle import Vehicle
+from explorer.web.frames import place, turn
 from rangenav.number_format import quantity
 
 
@@ -94,5 +94,5 @@ class EstimateNodes:
         if axes is not None and drawn and self._ellipsoid_enabled:
             x, y, z = (float(axis) for axis in axes[0])
             self._ellipsoid.scale = (x, y, z)
-            self._ellipsoid.wxyz = SO3.from_matrix(picture.estimate.rotation[k] @ axes[1]).wxyz
-            self._ellipsoid.position = picture.position_estimate[k]
+            turn(self._ellipsoid, quaternion(picture.estimate.rotation[k] @ axes[1]))
+            place(self._ellipsoid, picture.position_estimate[k])

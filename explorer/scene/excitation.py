@@ -6,13 +6,14 @@ picture, so that a flat ellipsoid means a direction that is not excited.
 
 import numpy as np
 from viser import SceneApi
-from viser.transforms import SO3
 
 from explorer.model import details, palette
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 from explorer.scene.arrows import Arrow
-from explorer.scene.bounds import SceneBounds
+from explorer.scene.bounds import SceneBounds, quaternion
 from explorer.scene.labels import Labels
+from explorer.web.frames import place, turn
 from rangenav.number_format import significant
 from rangenav.observability import blindness
 from rangenav.observability.ellipsoid import Ellipsoid
@@ -39,6 +40,7 @@ class ExcitationEllipsoid:
         )
         self._weakest = Arrow(scene, labels, "/weakest", "", palette.WEAKEST_AXIS, rank=15, both_ways=True)
         self._picture: Picture | None = None
+        self._drawn = Drawn()
         self.enabled = True
         """Whether the layer is switched on; takes effect at the next `move`."""
 
@@ -51,14 +53,18 @@ class ExcitationEllipsoid:
     def show(self, picture: Picture) -> None:
         """Show the excitation of this picture's path from now on; `move` draws it."""
         self._picture = picture
+        self._drawn.forget()
 
     def move(self, time: float, bounds: SceneBounds) -> None:
         """Show the excitation of the window that starts at a time (s)."""
         if not self.enabled:
+            self._drawn.forget()
             self._node.visible = False
             self._weakest.hide()
         elif self._picture is not None:
-            self.draw(self._picture, details.excitation_at(self._picture.preset, time), bounds)
+            ellipsoid = details.excitation_at(self._picture.preset, time)
+            if self._drawn.changed(ellipsoid, bounds):  # the same window for several frames
+                self.draw(self._picture, ellipsoid, bounds)
 
     def draw(self, picture: Picture, ellipsoid: Ellipsoid, bounds: SceneBounds) -> None:
         """Show the excitation of one window, in the middle of that part of the path."""
@@ -70,8 +76,9 @@ class ExcitationEllipsoid:
         size = LONGEST * bounds.radius
         x, y, z = (size * max(float(axis) / strongest, THINNEST) for axis in ellipsoid.semi_axes)
         middle = picture.preset.path(ellipsoid.start + np.linspace(0.0, ellipsoid.window, 33)).mean(axis=0)
-        self._node.scale, self._node.position = (x, y, z), middle
-        self._node.wxyz = SO3.from_matrix(ellipsoid.axes).wxyz
+        self._node.scale = (x, y, z)
+        place(self._node, middle)
+        turn(self._node, quaternion(ellipsoid.axes))
         self._weakest.fit(length=1.25 * size, radius=0.006 * bounds.radius)
         self._weakest.place(middle)
         self._weakest.set_label(weakest_label(ellipsoid))

@@ -9,8 +9,9 @@ from viser.transforms import SO3
 from explorer.model import palette
 from explorer.model.drawn import Drawn
 from explorer.scene import airframe
-from explorer.scene.bounds import SceneBounds, rotation_from_x
+from explorer.scene.bounds import SceneBounds, quaternion, rotation_from_x
 from explorer.scene.labels import Labels
+from explorer.web.frames import place, turn
 
 
 class Vehicle:
@@ -73,8 +74,8 @@ class Vehicle:
 
     def place(self, position: Float[Array, "3"], rotation: Float[Array, "3 3"]) -> None:
         """Put it at a position (m) and rotation (body to inertial) in the inertial frame."""
-        self._root.position = position
-        self._root.wxyz = SO3.from_matrix(rotation).wxyz
+        place(self._root, position)
+        turn(self._root, quaternion(rotation))
 
     def show(self, visible: bool) -> None:
         self._root.visible = visible

@@ -14,6 +14,7 @@ from explorer.scene import airframe
 from explorer.scene.arrows import Arrow
 from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, rotation_from_x
 from explorer.scene.labels import Labels
+from explorer.web.frames import place
 from rangenav.motion import World
 from rangenav.observability import blindness
 from rangenav.observability.blindness import Direction
@@ -105,7 +106,7 @@ class WorldNodes:
 
     def move(self, position: Float[Array, "3"]) -> None:
         """Put the vectors at the vehicle's position (m), and let the range sphere pass through it."""
-        self._compass.position = position
+        place(self._compass, position)
         self._sphere.scale = max(float(np.linalg.norm(position - self._anchor_position)), MIN_RANGE)
 
     def _fit_grid(self, bounds: SceneBounds) -> None:

@@ -5,7 +5,7 @@ session's loop  wake.wait(); wake.clear()                      clear BEFORE read
                 dock.refresh(); settings = dock.read()
                 picture = compute(settings)                    stages cached by their own inputs
                 with client.atomic(): draw(picture)            plots and verdict in one batch, then the scene
-playback        the same loop wakes at the frame rate and moves the scene and the cursors; it computes nothing
+playback        the same loop wakes at the shared pace and moves the scene and the cursors; it computes nothing
 """
 
 import contextlib
@@ -45,6 +45,7 @@ from explorer.storage.work_files import StorageError
 from explorer.web import connection, places
 from explorer.web.access.visitors import Visitor
 from explorer.web.door import Door
+from explorer.web.frames import Frames
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
@@ -110,25 +111,36 @@ class Session:
 
     def _serve(self) -> None:
         while True:
+            due = self._playback.due(self.shared.pace.period)
             woken = self._wake.wait(self._sleep(time.monotonic()))
             if self._stopped:
                 return
             with self._reporting():
+                now = time.monotonic()
+                self._playback.advance(now)
                 if woken:
                     self._wake.clear()
                     self._react()
-                self.dock.learn.play_if_due(time.monotonic())
+                self.dock.learn.play_if_due(now)
                 self._in_class.tick(None if self.picture is None else self.picture.settings)
-                self._display.animate()
+                if woken or not self._playback.playing:
+                    self._display.animate(now)
+                elif self._is_seen and now >= due:
+                    self._display.play(now, due)
                 self._display.draw_details_if_due(time.monotonic(), self._wake)
                 self._autosave.write_aside(time.monotonic())
 
     def _sleep(self, now: float) -> float | None:
         """The time (s) until a frame, the details or a write is due; None if none of them is."""
-        waits = (
-            self._playback.wait(now), self._autosave.wait(now), self._display.wait(now), self.dock.learn.wait(now)
-        )  # fmt: skip
+        frame = self._playback.wait(now, self.shared.pace.period) if self._is_seen else None
+        waits = (frame, self._autosave.wait(now), self._display.wait(now), self.dock.learn.wait(now))
         return min((wait for wait in waits if wait is not None), default=None)
+
+    @property
+    def _is_seen(self) -> bool:
+        """Whether the tab is in front, as far as the browser has said: a hidden one is sent no frames."""
+        window = self._door.window
+        return window is None or not window.hidden
 
     def _leave(self) -> None:
         """Write the work that is not saved yet, and only then free the slot for the next tab."""
@@ -185,7 +197,8 @@ class Session:
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
-        self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
+        frames = Frames(client, self.shared.pace.observe)
+        self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback, frames)
         visit = Visit(
             client=client,
             visitor=self._visitor,

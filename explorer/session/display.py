@@ -6,6 +6,7 @@ draw_details       when nothing has changed for a moment, because the details ta
                    then more windows are judged, and the verdict, which is the sampled windows' until then, is proven in
                    a job
 animate            moves cursors and scene to the playhead; it computes nothing
+play               the same for a frame of a playing run, which may be dropped
 """
 
 import threading
@@ -23,9 +24,12 @@ from explorer.panels.dock import Dock
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles
+from explorer.web.frames import Frames
 
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
+VALUES_PERIOD = 0.2
+"""s between two updates of what is read while the run plays: the legends and the status line."""
 SETTLED = 0.3
 """s without a new picture, after which the details are drawn too."""
 
@@ -42,7 +46,9 @@ class Display:
         handles: DragHandles,
         timeline: TimelinePanel,
         playback: Playback,
+        frames: Frames,
     ) -> None:
+        self._frames, self._values_due = frames, 0.0
         self._client, self._dock, self._charts = client, dock, charts
         self._scene, self._handles, self._timeline, self._playback = scene, handles, timeline, playback
         self.picture: Picture | None = None
@@ -104,16 +110,29 @@ class Display:
         self._details_due = None
         self._draw_details(self.picture)
 
-    def animate(self) -> None:
-        """Move everything to the playhead."""
+    def animate(self, now: float) -> None:
+        """Move everything to the playhead, exactly, by the queue of all messages."""
         if self.picture is None:
             return
-        now = time.monotonic()
-        self._playback.advance(now)
+        self._frames.finish()
         with self._client.atomic():
-            self._scene.move(self.picture, self._playback.time)
-            self._charts.cursor(self.picture, self._playback.time)
-            self._timeline.write(now)
+            self._move(self.picture, now, values=True)
+
+    def play(self, now: float, due: float) -> None:
+        """Draw the frame of a playing run that was due at a time (s, monotonic), unless the one before it waits."""
+        if self.picture is None or not self._frames.ready:
+            return
+        values = now >= self._values_due
+        if values:
+            self._values_due = now + VALUES_PERIOD
+        with self._frames.collecting():
+            self._move(self.picture, now, values=values)
+        self._frames.send(due)
+
+    def _move(self, picture: Picture, now: float, *, values: bool) -> None:
+        self._scene.move(picture, self._playback.time)
+        self._charts.cursor(picture, self._playback.time, values=values)
+        self._timeline.write(now)
 
     def _draw_details(self, moved: Picture) -> None:
         self.picture = picture = moved.at_rest

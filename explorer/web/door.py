@@ -61,6 +61,8 @@ class Window:
     """The text of a link, from the fragment of the address."""
     arrival: int = 0
     """Which link this is since the page was loaded: the same one may be opened twice."""
+    hidden: bool = False
+    """Whether the browser shows another tab, or its window is minimised."""
     answered: bool = False
     """Whether what the address asks for was opened, or refused, before this connection began."""
 
@@ -113,6 +115,7 @@ class Door:
                 query=said.get("query", [""])[0],
                 link=link if LINK.fullmatch(link := said.get("link", [""])[0]) else "",
                 arrival=int(number) if ARRIVAL.fullmatch(number := said.get("arrival", [""])[0]) else 0,
+                hidden="hidden" in said,
                 answered="answered" in said,
             )
             for event in said.get("event", []):

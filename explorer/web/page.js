@@ -9,6 +9,7 @@
 // plots    plots in sight, or "none": those of closed tabs and of a folded panel have no box on the page
 // tabs     open tabs, by their labels
 // link     the text of a link, with the number of its arrival: the same one may be opened twice
+// hidden   the browser shows another tab
 // answered what the address asks for was opened or refused
 // event    buttons pressed in the last second, each with a number of its own: viser drops all but the last input of 50 ms
 //
@@ -83,6 +84,7 @@
     const text = new URLSearchParams([
       ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['switched', kept.switched.join(' ')],
       ['plots', plots], ['tabs', tabs],
+      ...(document.hidden ? [['hidden', '1']] : []),
       ['query', query], ...(link ? [['link', link], ['arrival', arrivals]] : []), ...(answered ? [['answered', '1']] : []), ...events.map(event => ['event', event]),
     ]).toString();
     if (text === last && !again) return;
@@ -137,6 +139,7 @@
     if (navigator.clipboard && navigator.clipboard.writeText) navigator.clipboard.writeText(address).catch(aside); else aside();
   };
   dark.addEventListener('change', () => { show(); report(); });
+  document.addEventListener('visibilitychange', () => report());  // a hidden page is sent no frames
   let later = 0;
   addEventListener('resize', () => { clearTimeout(later); later = setTimeout(report, 200); });
 

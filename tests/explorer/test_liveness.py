@@ -1,7 +1,9 @@
 """How little is sent for one picture: only what has changed, and never less than what has changed."""
 
+import time
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
@@ -100,4 +102,36 @@ def test_a_gain_and_a_path_moved_together_are_both_in_the_next_picture(served: t
             )
 
         tab.wait_for(shown, "a picture of both")
+    tab.close()
+
+
+def test_a_run_plays_in_frames_of_its_own_and_stands_exactly_when_it_is_paused(
+    served: tuple[SessionServer, int],
+) -> None:
+    sessions, port = served
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    session: Session = sessions.sessions[-1]
+    picture = session.picture
+    assert picture is not None
+    home = tuple(tab.nodes["/vehicle"]["position"])
+    tab.command("Play or pause")
+    tab.wait_for(lambda: tuple(tab.nodes["/vehicle"]["position"]) != home, "the vehicle to move")
+    tab.set("page", "width=1366&height=768&hidden=1")
+    time.sleep(0.1)
+    hidden = dict(tab.counts)
+    time.sleep(0.2)
+    assert tab.counts == hidden, "a hidden tab is sent no frames"
+    tab.set("page", "width=1366&height=768")
+    tab.wait_for(lambda: tab.counts["SetPositionMessage"] > hidden["SetPositionMessage"] + 4, "more frames")
+    tab.command("Play or pause")
+    tab.wait_for_text("paused")
+    moment = session._playback.time
+    tab.wait_for(lambda: abs(tab.value("t (s)") - moment) < 0.006, "the slider")
+    sample = int(np.abs(picture.motion.time - moment).argmin())
+    for node in ("/vehicle", "/compass"):
+        assert np.array_equal(tab.nodes[node]["position"], picture.motion.position[sample])
+    distance = np.linalg.norm(picture.motion.position[sample] - picture.preset.world.anchor)
+    assert tab.nodes["/anchor/range"]["scale"] == pytest.approx(float(distance))
+    assert f"<b>{moment:.2f} s</b>" in tab.text()
     tab.close()

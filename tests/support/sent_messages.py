@@ -9,8 +9,6 @@ import viser
 from viser.infra import Message
 from viser.transforms import SO3
 
-from explorer.charts import markup
-
 
 @dataclass
 class Camera:
@@ -94,7 +92,7 @@ class Page:
 
     def live_style(self) -> str:
         """The elements that change as time moves: positions of the cursors, and values in the legends."""
-        return "".join(content for content in self.updates("content") if f"{markup.FRACTION}:" in content)
+        return "".join(content for content in self.updates("content") if content.startswith("<style>:root{"))
 
     def type_text(self, label: str, text: str) -> None:
         """Write into the first text box with a label, as a visitor would."""

@@ -290,12 +290,16 @@ def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None
     assert page.kinds() == {"GuiUpdateMessage"}
 
 
-def test_cursor_is_one_small_message_and_gives_the_values_there(page: Page) -> None:
+def test_cursor_is_one_small_message_and_the_values_there_are_another(page: Page) -> None:
     charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper-slow")
     charts.draw(example)
     page.messages.clear()
-    charts.cursor(example, 5.0)
+    charts.cursor(example, 4.0, values=False)
     assert len(page.messages) == 1
+    assert len(page.live_style()) < 100
+    page.messages.clear()
+    charts.cursor(example, 5.0)
+    assert len(page.messages) == 2
     text = page.live_style()
     assert len(text) < 2500
     fraction = re.findall(r"--tcur:([\d.]+)", text)

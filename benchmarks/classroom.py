@@ -1,0 +1,198 @@
+"""A class: many visitors who all play their run and now and then drag a gain, on one server.
+
+Each visitor drags the slider of a gain for one second, with ten events, every ten seconds, at moments of its own. The
+figures are those of the server's process; the visitors have no browser, share one process, and what they cost is
+printed beside. With `--chromium` two real tabs play instead: how often they draw, and how long a slider waits.
+"""
+
+import argparse
+import asyncio
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import psutil
+from timing import Target, report, versions
+from visitor import Visitor
+
+ROOT = Path(__file__).parent.parent
+EVENTS, DRAG, EVERY = 10, 1.0, 10.0
+"""Events of a drag, its length (s), and the time from one drag of a visitor to the next (s)."""
+QUIET = 10.0
+"""s over which nobody moves, and then over which all play and nobody drags."""
+SETTLING = 20.0
+"""s for the proofs of the first pictures and for the estimators to be compiled."""
+PLAYING, RATE, IDLE, LATENCY, PER_VISITOR, GROWTH = 1.5, 15.0, 0.1, 200.0, 5.0, 5.0
+"""Bars: % of a core for a visitor who plays, frames a second, % of a core for one who does nothing, ms (p95) from an
+event to its picture, MB for a visitor, and MB by which all together may grow after the warm-up."""
+MB = 2**20
+
+
+@dataclass
+class Spent:
+    """What a time has cost: shares of a core (%) of the server and of the visitors, and what came."""
+
+    server: float
+    visitors: float
+    messages: float
+    """To one visitor, per second."""
+    bytes: float
+    """To one visitor, per second."""
+
+
+class Class:
+    """A server and its visitors."""
+
+    def __init__(self, process: subprocess.Popen[str], count: int) -> None:
+        assert process.stdout is not None
+        self.port = int(process.stdout.readline().rstrip("/\n").rpartition(":")[2])
+        self._server = psutil.Process(process.pid)
+        self.visitors = [Visitor(self.port) for _ in range(count)]
+
+    @property
+    def memory(self) -> float:
+        """MB that the server's process has for itself."""
+        return self._server.memory_full_info().uss / MB
+
+    def errors(self) -> int:
+        """Unforeseen errors that the server has counted."""
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.port}/metrics", timeout=10) as answer:
+            lines = answer.read().decode().splitlines()
+        return int(float(next(line for line in lines if line.startswith("rangenav_errors_total")).split()[1]))
+
+    async def over(self, seconds: float) -> Spent:
+        """Wait, and say what that has cost."""
+        began, ours, theirs = time.monotonic(), time.process_time(), self._processor_time()
+        messages, taken = (sum(getattr(one, name) for one in self.visitors) for name in ("messages", "bytes"))
+        await asyncio.sleep(seconds)
+        length, count = time.monotonic() - began, len(self.visitors)
+        return Spent(
+            server=100 * (self._processor_time() - theirs) / length,
+            visitors=100 * (time.process_time() - ours) / length,
+            messages=(sum(one.messages for one in self.visitors) - messages) / length / count,
+            bytes=(sum(one.bytes for one in self.visitors) - taken) / length / count,
+        )
+
+    def _processor_time(self) -> float:
+        spent = self._server.cpu_times()
+        return spent.user + spent.system
+
+
+@contextmanager
+def _served() -> Iterator[subprocess.Popen[str]]:
+    with tempfile.TemporaryDirectory() as folder:
+        environment = os.environ | {"RANGENAV_STATE": f"{folder}/state", "RANGENAV_DATA": f"{folder}/data"}
+        command = [sys.executable, "-m", "explorer", "--no-browser", "--port", "0"]
+        process = subprocess.Popen(command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        try:
+            yield process
+        finally:
+            process.terminate()
+            process.communicate()
+
+
+async def _work(visitor: Visitor, seconds: float, chance: random.Random) -> None:
+    """Drag now and then, at moments of one's own."""
+    end = time.monotonic() + seconds
+    await asyncio.sleep(chance.uniform(0.0, EVERY))
+    while time.monotonic() < end - EVERY:
+        began = time.monotonic()
+        await visitor.drag(EVENTS, DRAG, chance.random())
+        await asyncio.sleep(max(0.0, began + EVERY - time.monotonic()))
+
+
+async def _measure(process: subprocess.Popen[str], count: int, minutes: float, warm_up: float) -> None:
+    room = Class(process, count)
+    await room.visitors[0].join()
+    await asyncio.sleep(SETTLING)
+    alone = room.memory
+    for visitor in room.visitors[1:]:
+        await visitor.join()
+    await asyncio.sleep(SETTLING)
+    joined, idle = room.memory, await room.over(QUIET)
+    for visitor in room.visitors:
+        await visitor.play()
+    await asyncio.sleep(2.0)
+    playing = await room.over(QUIET)
+    chance = random.Random(1)
+    length = 60 * (minutes + warm_up)
+    drags = [asyncio.create_task(_work(visitor, length, chance)) for visitor in room.visitors]
+    await asyncio.sleep(60 * warm_up)
+    warm = room.memory
+    for visitor in room.visitors:
+        visitor.waits.clear()
+    working = await room.over(60 * minutes)
+    await asyncio.gather(*drags)
+    end, errors = room.memory, room.errors()
+    for visitor in room.visitors:
+        await visitor.leave()
+    closed = [visitor.closed for visitor in room.visitors if visitor.closed]
+    waits = np.array([wait for visitor in room.visitors for wait in visitor.waits])
+    lost = sum(visitor.lost for visitor in room.visitors)
+    pictures = sum(visitor.pictures for visitor in room.visitors)
+    p50, p95, worst = (float(one) for one in np.percentile(waits, (50, 95, 100)))
+    each = (joined - alone) / max(count - 1, 1)
+    report(
+        "classroom",
+        title=f"{count} visitors, all playing; each drags a gain for {DRAG:g} s every {EVERY:g} s, {minutes:g} min",
+        columns=("", "server, a core", "visitors, a core", "messages a visitor", "bytes a visitor"),
+        rows=[
+            _row("nobody moves", idle),
+            _row("all play", playing),
+            _row("all play, and drag", working),
+        ],
+        targets=[
+            Target(name="errors", value=errors + lost + len(closed), bound=0, at_least=False),
+            Target(name="from event to picture, p95", value=p95, bound=LATENCY, at_least=False, unit=" ms"),
+            Target(name="a visitor who plays", value=playing.server / count, bound=PLAYING, at_least=False, unit=" %"),
+            Target(name="frames of a visitor who plays", value=playing.messages, bound=RATE, at_least=True, unit="/s"),
+            Target(name="an idle visitor", value=idle.server / count, bound=IDLE, at_least=False, unit=" %"),
+            Target(name="memory of a visitor", value=each, bound=PER_VISITOR, at_least=False, unit=" MB"),
+            Target(name="growth after the warm-up", value=end - warm, bound=GROWTH, at_least=False, unit=" MB"),
+        ],
+        notes=[
+            f"from event to picture: p50 {p50:.0f} ms, p95 {p95:.0f} ms, max {worst:.0f} ms of {len(waits)} events",
+            f"{pictures} pictures; errors {errors}, events without an answer {lost}, connections closed {closed}",
+            f"memory in MB: {alone:.0f} with one visitor, {joined:.0f} with all, {warm:.0f} warm, {end:.0f} at the end",
+        ],
+        figures={
+            "visitors": count,
+            "milliseconds": {"median": p50, "p95": p95, "worst": worst},
+            "megabytes": {"one": alone, "all": joined, "warm": warm, "end": end},
+            "versions": versions("numpy", "numba", "viser", "websockets"),
+        },
+    )
+
+
+def _row(name: str, spent: Spent) -> tuple[str, ...]:
+    figures = (
+        f"{spent.server:.1f} %",
+        f"{spent.visitors:.1f} %",
+        f"{spent.messages:.1f}/s",
+        f"{spent.bytes / 1e3:.1f} kB/s",
+    )
+    return name, *figures
+
+
+def main(visitors: int, minutes: float, warm_up: float) -> None:
+    """Measure, print."""
+    with _served() as process:
+        asyncio.run(_measure(process, visitors, minutes, warm_up))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--visitors", type=int, default=30)
+    parser.add_argument("--minutes", type=float, default=10.0, help="of dragging after the warm-up")
+    parser.add_argument("--warm-up", type=float, default=1.0, help="minutes of dragging before")
+    arguments = parser.parse_args()
+    main(arguments.visitors, arguments.minutes, arguments.warm_up)
