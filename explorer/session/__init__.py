@@ -47,7 +47,7 @@ from explorer.web.access.visitors import Visitor
 from explorer.web.door import Door
 from explorer.web.frames import Frames
 from explorer.web.identity import session_key
-from explorer.web.security import accept_values_only
+from explorer.web.values import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Form
 
@@ -102,8 +102,9 @@ class Session:
     def _run(self) -> None:
         with connection.may_close(self._client):
             with self._reporting():
-                self._build()
-                self._wait_for_compilation()
+                if not self._stopped:  # else the page was loaded again already, as when a key is held down
+                    self._build()
+                    self._wait_for_compilation()
             self._wake.set()
             if self._built:
                 self._serve()
@@ -144,14 +145,15 @@ class Session:
 
     def _leave(self) -> None:
         """Write the work that is not saved yet, and only then free the slot for the next tab."""
-        with self._reporting():
-            self._remember_last_changes()
-        self.form.cancel_jobs()
-        self._in_class.end()
+        for step in (self._remember_last_changes, self.form.cancel_jobs, self._in_class.end, self._write_last):
+            with self._reporting():
+                step()
+        self.shared.slots.free(self._client.client_id)
+
+    def _write_last(self) -> None:
         self._autosave.finish()
         if self.shared.slots.has(self._client.client_id):
             self._autosave.write(time.monotonic(), at_once=True)
-        self.shared.slots.free(self._client.client_id)
 
     def _remember_last_changes(self) -> None:
         """Take over what was changed after the last picture began to be computed; nothing is drawn any more.
@@ -186,6 +188,8 @@ class Session:
             notify=self._outgoing.notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
+        if self._stopped:
+            return
         timeline = TimelinePanel(self.form, self._playback)
         camera = client.camera
         first_size = plot_size(camera.image_width, camera.image_height)  # until the browser has reported its window
@@ -308,7 +312,8 @@ class Session:
         """Do what the visitor has asked for by buttons, in the scene and in the menu of presets. Returns whether a
         button was pressed, and the number of the drag while a handle is held."""
         pressed = self.form.run_actions(before=self._refresh_before_action)
-        self.form.deliver()
+        with self._reporting(but=ValueError):  # a job's error must not hold up what was changed meanwhile
+            self.form.deliver()
         drag = self._interaction.apply(self.picture)
         if self.dock.chosen_preset != self.dock.origin:
             self._open(self.dock.chosen_preset)
@@ -331,10 +336,12 @@ class Session:
         self.charts.show_paper_figures()
 
     @contextlib.contextmanager
-    def _reporting(self) -> Iterator[None]:
-        """After an unforeseen error log the traceback, notify the visitor, and go on."""
+    def _reporting(self, but: type[Exception] | tuple[()] = ()) -> Iterator[None]:
+        """After an unforeseen error log the traceback, notify the visitor, and go on; raise errors of one type."""
         try:
             yield
+        except but:
+            raise
         except Exception:
             log.exception("session %s", self._client.client_id)
             self._playback.playing = False

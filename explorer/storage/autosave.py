@@ -4,6 +4,7 @@ A file that this version cannot read is kept under another name, and is written 
 something.
 """
 
+import logging
 import threading
 from collections.abc import Callable
 from typing import Literal
@@ -20,10 +21,13 @@ NEWER, BROKEN = ".newer", ".broken"
 """Endings of the names under which files are kept that this version cannot read."""
 HISTORY_BYTES = 2**18
 """The size of the steps for undo and redo in a file; of large settings fewer steps are remembered."""
-PERIOD = 1.0
-"""s between two writes; of the changes in between only the last is written."""
+PERIOD, RETRY = 1.0, 10.0
+"""s between two writes, of which only the last is written; and s after which a write that failed is tried again."""
 
 NO_VIEW = View()
+UNFORESEEN = "Your work is not kept: something went wrong on the server."
+
+log = logging.getLogger(__name__)
 
 
 class SavedWork(Input, frozen=True, kw_only=True):
@@ -60,6 +64,8 @@ class Autosave:
         """Whether there is a file that was kept under another name, and that is not written over unasked."""
         self._failing = False
         """Whether the visitor has been notified. The next change is written all the same."""
+        self._failed: tuple[Settings, GainUnits, View] | None = None
+        """What could not be written last; it is tried again, for a disk that was full may have room."""
 
     def restore(self, session_key: str | None) -> SavedWork | None:
         """The work saved under a session key, None if there is none; from now on the work is saved there."""
@@ -102,28 +108,47 @@ class Autosave:
 
     def wait(self, now: float) -> float | None:
         """How long (s) until a write is due; None if everything is written."""
-        return None if self._unwritten is None else max(0.0, self._written_at + PERIOD - now)
+        if self._unwritten is not None:
+            return max(0.0, self._written_at + PERIOD - now)
+        if self._writing:  # it may fail
+            return RETRY
+        return None if self._failed is None else max(0.0, self._written_at + RETRY - now)
+
+    @property
+    def _writing(self) -> bool:
+        return self._writer is not None and self._writer.is_alive()
 
     def write(self, now: float, *, at_once: bool = False) -> None:
         """Write the settings if that is due, or `at_once`, after those that are being written aside."""
         self.finish()
+        self._try_again(now, at_once=at_once)
         if self._unwritten is not None and (at_once or now - self._written_at >= PERIOD):
             self._save(*self._take(now))
 
     def write_aside(self, now: float) -> None:
         """As `write`, in a thread of its own: the visitor's next move does not wait for the disk."""
+        self._try_again(now)
         if self._unwritten is None or now - self._written_at < PERIOD:
             return
-        if self._writer is not None and self._writer.is_alive():  # a slow disk: the newest work follows later
+        if self._writing:  # a slow disk: the newest work follows later
             self._written_at = now
             return
-        self._writer = threading.Thread(target=self._save, args=self._take(now), name="autosave", daemon=True)
-        self._writer.start()
+        taken = self._take(now)
+        self._failed = taken  # until it is written: the thread may fail to start
+        writer = threading.Thread(target=self._save, args=taken, name="autosave", daemon=True)
+        writer.start()
+        self._writer = writer
 
     def finish(self) -> None:
         """Wait until what is being written aside is on the disk."""
         if self._writer is not None:
             self._writer.join()
+
+    def _try_again(self, now: float, *, at_once: bool = False) -> None:
+        """Have what could not be written written again, unless something newer is waiting."""
+        if self._failed is None or self._writing or not (at_once or now - self._written_at >= RETRY):
+            return
+        self._unwritten, self._failed = self._unwritten or self._failed, None
 
     def _take(self, now: float) -> tuple[Settings, GainUnits, View]:
         assert self._unwritten is not None
@@ -131,17 +156,23 @@ class Autosave:
         return taken
 
     def _save(self, settings: Settings, units: GainUnits, view: View) -> None:
-        if self._session_key is None:
-            return
+        reason = "" if self._session_key is None else self._refusal(self._session_key, settings, units, view)
+        if reason and not self._failing:
+            self._notify(f"{reason} The page works on; download what you need.")
+        self._failing = bool(reason)
+        self._failed = (settings, units, view) if reason else None
+
+    def _refusal(self, session_key: str, settings: Settings, units: GainUnits, view: View) -> str:
+        """Write the work. Returns why it could not be written; empty if it was."""
         try:
             work = SavedWork(opened=self._opened, settings=settings, language=units, view=view)
-            self._work_files.save(self._session_key, _encoded(work))
+            self._work_files.save(session_key, _encoded(work))
         except StorageError as reason:
-            if not self._failing:
-                self._notify(f"{_sentence(reason)} The page works on; download what you need.")
-            self._failing = True
-        else:
-            self._failing = False
+            return _sentence(reason)
+        except Exception:
+            log.exception("the work of a tab could not be written")
+            return UNFORESEEN
+        return ""
 
 
 def _encoded(work: SavedWork) -> bytes:

@@ -1,4 +1,4 @@
-"""The server: what is asked of every request, and what a browser may send. Checked against viser 1.1.1.
+"""The server: what is asked of every request, and who gets an answer. Checked against viser 1.1.1.
 
 viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), knows no visitors, and lets any
 client open a public tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of
@@ -11,7 +11,6 @@ import contextlib
 import errno
 import io
 import logging
-import math
 import socket
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -22,29 +21,27 @@ from viser import _messages
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
-from explorer.model import palette
 from explorer.web import array_types
-from explorer.web.access.entrance import METRICS_PATH, Answer, Entrance
+from explorer.web.access.entrance import METRICS_PATH, Answer, Entrance, NoRoomError
 from explorer.web.addresses import Addresses
-from explorer.web.limits import MAX_MESSAGE, MeteredConnection
+from explorer.web.limits import CLOSE_TIMEOUT, MAX_MESSAGE, PING_PERIOD, PONG_TIMEOUT, MeteredConnection
 from explorer.web.metrics import CONTENT_TYPE, Metrics
+from explorer.web.values import drop_unused
 from explorer.web.without_webgl import add_script
 
 CHECKED_AGAINST = "1.1.1"
 HEALTH_PATH, REFUSED = "/healthz", 400
 """Where a monitor asks whether the page answers, and the least status of a refusal."""
+MAX_PATH = 2000
+"""Characters of an address after the name of the server. What a link carries stands after #, and is not sent."""
 RECEIVE, RECEIVE_TIMEOUT = 0.05, 2.0
 """s in which the event loop takes in the messages that have arrived, and s after which it is not waited for."""
-UNUSED_MESSAGES = (
-    _messages.FileTransferStartUpload,
-    _messages.FileTransferPart,
-    _messages.GuiFormDirtyMessage,
-    _messages.GuiFormSubmitMessage,
-)
 REFUSAL_LOG_LINES = ("opening handshake failed", "connection rejected (")
 """Beginnings of lines that websockets logs, with a traceback, when a request is refused; they are suppressed."""
 SENT_OUT, SENT_OUT_REASON = 4001, "you were sent out"
 """The code and the reason with which the connection of a removed visitor is closed."""
+NO_ROOM, NO_ROOM_REASON = 1013, "all places are taken"
+"""The same for a visitor who came in the same moment as many others."""
 
 log = logging.getLogger(__name__)
 
@@ -73,7 +70,7 @@ def open_server(
         raise ValueError(_busy(port))
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         server._websock_server.unregister_handler(message)
-    _drop_unused(server.gui)
+    drop_unused(server.gui)
     return server
 
 
@@ -97,37 +94,19 @@ def close_server(server: viser.ViserServer) -> None:
         server.stop()
 
 
-def accept_values_only(client: viser.ClientHandle) -> None:
-    """Let this client set only the values of its own controls and the poses of its own gizmos.
-
-    The client is notified when it sends anything else for a control."""
-    connection = client.gui._websock_interface
-    (update,) = connection._incoming_handlers[_messages.GuiUpdateMessage]
-
-    async def checked(client_id: Any, message: _messages.GuiUpdateMessage) -> None:
-        try:
-            if set(message.updates) != {"value"}:
-                raise ValueError(f"only a control's value may be set, not {sorted(message.updates)}")
-            await update(client_id, message)  # type: ignore[misc]
-        except (ValueError, TypeError, AssertionError, OverflowError) as error:
-            log.warning("client %s sent an invalid value for a control: %s", client_id, error)
-            client.add_notification(
-                "⚠ Not a value", "That control takes another kind of value.", color=palette.NOTIFY_ERROR
-            )
-
-    connection.unregister_handler(_messages.GuiUpdateMessage)
-    connection.register_handler(_messages.GuiUpdateMessage, checked)  # type: ignore[arg-type]
-    _accept_finite_poses_only(client)
-    _drop_unused(client.gui)
-
-
 @contextlib.contextmanager
 def _guarded_serve(addresses: Addresses, entrance: Entrance | None, metrics: Metrics) -> Iterator[None]:
     """Within this context, viser's call of `serve` goes through the checks of this module."""
     serve = websockets.asyncio.server.serve
 
     def guarded(handler: Any, host: str, port: int, *, process_request: Callable, **options: Any) -> Any:
-        options |= {"max_size": MAX_MESSAGE, "create_connection": MeteredConnection}
+        options |= {
+            "max_size": MAX_MESSAGE,
+            "create_connection": MeteredConnection,
+            "ping_interval": PING_PERIOD,
+            "ping_timeout": PONG_TIMEOUT,
+            "close_timeout": CLOSE_TIMEOUT,
+        }
         inner = handler if entrance is None else _counted(handler, entrance)
         checked = _checked(process_request, addresses, entrance, metrics)
         return serve(inner, host, port, process_request=checked, **options)
@@ -147,23 +126,37 @@ def _checked(
         lambda record: not record.getMessage().startswith(REFUSAL_LOG_LINES)
     )
 
-    def answer(connection: ServerConnection, request: Request) -> Response | None:
+    def decided(connection: ServerConnection, request: Request) -> Response | None:
         arrived_at, port = connection.local_address[:2]
         sentence = addresses.refusal(request, arrived_at, port)
         if sentence:
-            response = connection.respond(403, sentence + "\n")
-        elif request.path == HEALTH_PATH:
-            response = connection.respond(200, "ok\n")
-        else:
-            told = None if entrance is None else entrance.answer(request, port)
-            if told is None and request.path == METRICS_PATH:
-                told = Answer(200, metrics.text(), content_type=CONTENT_TYPE)
-            response = _response(connection, told) if told else process_request(connection, request)
+            return connection.respond(403, sentence + "\n")
+        if len(request.path) > MAX_PATH:
+            return connection.respond(414, f"An address of this page has at most {MAX_PATH} characters.\n")
+        if request.path == HEALTH_PATH:
+            return connection.respond(200, "ok\n")
+        told = None if entrance is None else entrance.answer(request, port)
+        if told is None and request.path == METRICS_PATH:
+            told = Answer(200, metrics.text(), content_type=CONTENT_TYPE)
+        if told is not None:
+            return _response(connection, told)
+        try:
+            return process_request(connection, request)
+        except OSError:  # a name that no file can have
+            return connection.respond(404, "There is no such page here.\n")
+
+    def answer(connection: ServerConnection, request: Request) -> Response | None:
+        try:
+            response = decided(connection, request)
+        except Exception:
+            log.exception("a request could not be answered")
+            metrics.error()
+            response = connection.respond(500, "Something went wrong on the server; its log has the details.\n")
         if response is not None:
             if response.status_code >= REFUSED:
                 metrics.refused(response.status_code)
             add_script(response)
-            addresses.add_headers(response, arrived_at, port)
+            addresses.add_headers(response, *connection.local_address[:2])
         return response
 
     return answer
@@ -183,8 +176,11 @@ def _counted(handler: Callable, entrance: Entrance) -> Callable:
         def close() -> None:
             asyncio.run_coroutine_threadsafe(connection.close(SENT_OUT, SENT_OUT_REASON), loop)
 
-        with entrance.stay(visitor, close):
-            await handler(connection)
+        try:
+            with entrance.stay(visitor, close):
+                await handler(connection)
+        except NoRoomError:
+            await connection.close(NO_ROOM, NO_ROOM_REASON)
 
     return counted
 
@@ -197,30 +193,6 @@ def _response(connection: ServerConnection, answer: Answer) -> Response:
     for name, value in answer.headers:
         response.headers[name] = value
     return response
-
-
-def _accept_finite_poses_only(client: viser.ClientHandle) -> None:
-    """Accept the pose of a gizmo only as finite numbers: viser would store any other, and fail at the next move."""
-    connection = client.gui._websock_interface
-    (update,) = connection._incoming_handlers[_messages.TransformControlsUpdateMessage]
-
-    async def checked(client_id: Any, message: _messages.TransformControlsUpdateMessage) -> None:
-        if _are_finite_numbers(message.position, 3) and _are_finite_numbers(message.wxyz, 4):
-            await update(client_id, message)  # type: ignore[misc]
-        else:
-            log.warning("client %s sent an invalid pose of a gizmo", client_id)
-
-    connection.unregister_handler(_messages.TransformControlsUpdateMessage)
-    connection.register_handler(_messages.TransformControlsUpdateMessage, checked)  # type: ignore[arg-type]
-
-
-def _are_finite_numbers(value: Any, count: int) -> bool:
-    """Whether a value from a browser is a tuple of `count` finite numbers."""
-    return (
-        isinstance(value, tuple)
-        and len(value) == count
-        and all(isinstance(entry, float) and math.isfinite(entry) for entry in value)
-    )
 
 
 def _refuse_busy(host: str, port: int) -> None:
@@ -241,12 +213,3 @@ def _refuse_busy(host: str, port: int) -> None:
 
 def _busy(port: int) -> str:
     return f"--port {port}: in use or not allowed; stop the other program or choose another port"
-
-
-def _drop_unused(gui: viser.GuiApi) -> None:
-    """Refuse the messages of viser's forms and uploads.
-
-    The page has no forms, and viser passes their messages on to every other visitor. viser collects uploads without
-    limit, as the value of any control; `web.uploads` handles them for its own buttons."""
-    for message in UNUSED_MESSAGES:
-        gui._websock_interface.unregister_handler(message)

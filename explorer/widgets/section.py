@@ -28,7 +28,7 @@ class Section:
         self._folder = self.gui.add_folder(label, expand_by_default=expanded, order=order)
         self._controls: list[Resettable] = []
         self._check: Callable[[], object] | None = None
-        self._touched = True
+        self._touched, self._said = True, ""
         with self._folder:
             self.complaint = Complaint(self.gui, order=COMPLAINTS)
             self._row = self.gui.add_button_group("reset", ("",), visible=False, order=RESETS, hint=RESET_HINT)
@@ -126,13 +126,15 @@ class Section:
             self.form.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
 
     def refresh(self) -> Resettable | None:
-        """Mark the controls that differ from the preset, and offer to reset them.
+        """Mark the controls that differ from the preset, and offer to reset them, after a change of a control or of the
+        complaint: a slider follows its box only when nobody complains about the box any more.
 
         Returns the control that was moved since the last call, if there is one.
         """
-        if not self._touched:
+        said = self.complaint.content
+        if not self._touched and said == self._said:
             return None
-        self._touched = False  # before reading, so that no change is lost
+        self._touched, self._said = False, said  # before reading, so that no change is lost
         if self._check is not None:
             with suppress(InvalidInputError), self.catching():
                 self._check()

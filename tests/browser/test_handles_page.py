@@ -13,7 +13,7 @@ from playwright.sync_api import Browser
 from explorer.scene.bounds import SceneBounds
 from explorer.scene.drag_handles import GIZMO_SHARE, DragHandles
 from explorer.scene.labels import Labels
-from explorer.web import identity, security
+from explorer.web import identity, security, values
 from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
 from tests.browser.page import COARSE, Visitor, until, until_still
@@ -39,7 +39,7 @@ class Room:
     """Handles and nothing else, moved as the session would."""
 
     def __init__(self, client: viser.ClientHandle) -> None:
-        security.accept_values_only(client)
+        values.accept_values_only(client)
         client.scene.set_up_direction(UP)
         client.camera.position, client.camera.look_at = (1.0, 6.0, -3.0), (0.0, 0.0, 0.0)
         self._wake, self._places = threading.Event(), dict(PLACES)
@@ -136,7 +136,7 @@ def test_each_tab_gets_its_own_session_key_back_after_a_reload_and_from_a_new_se
         slots = Slots(lambda tab: identity.connected(server, tab))
 
         def greet(client: viser.ClientHandle) -> None:
-            security.accept_values_only(client)
+            values.accept_values_only(client)
             client.scene.add_frame("/path")
             session_keys.append(identity.session_key(client, slots))
             client.gui.add_markdown(f"You are {session_keys[-1]}")

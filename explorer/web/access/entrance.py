@@ -22,12 +22,15 @@ from explorer.model.listeners import Listener, Listeners
 from explorer.web.access.attempts import Attempts
 from explorer.web.access.codes import Codes
 from explorer.web.access.visitors import LIFETIME, Role, Visitor, Visitors
+from explorer.web.bucket import Bucket
 
 DOOR_PATH, DOOR_COOKIE, HEADER, MAX_SECRET = "/enter", "rangenav-door", "Rangenav-Enter", 200
 HTML = "text/html; charset=utf-8"
 METRICS_PATH = "/metrics"
 MAX_TABS = 6
 """Tabs of one visitor at the same time."""
+CONNECTS = (20.0, 0.5)
+"""Websockets that one visitor may open at once, and per second after that: each reload of a page opens one."""
 DOOR = Path(__file__).with_name("door.html")
 DOOR_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; "
@@ -38,6 +41,10 @@ WRONG_LINK = "This link is not right, or it has been replaced: ask for a new one
 FULL = "The class is full: all {places} places are taken. Try again when somebody has left."
 FOR_TEACHER = "This is for the teacher, or for a program with the teacher's token: Authorization: Bearer …"
 NOT_IN = "Come in with your code or your link first."
+
+
+class NoRoomError(Exception):
+    """A visitor who was let in a moment ago finds no place: many have come in the same moment."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +74,8 @@ class Entrance:
         self.places = places
         self._tabs: dict[int, list[Callable[[], None]]] = {}
         """What closes each open tab of a visitor, by the visitor's number."""
+        self._connects: dict[int, Bucket] = {}
+        """How many websockets each visitor may open still."""
         self._listeners = Listeners()
 
     @property
@@ -136,8 +145,13 @@ class Entrance:
 
     @contextmanager
     def stay(self, visitor: Visitor, close: Callable[[], None]) -> Iterator[None]:
-        """Count a tab of a visitor as long as it is connected. close: what ends the connection."""
+        """Count a tab of a visitor as long as it is connected. close: what ends the connection.
+
+        Raises NoRoomError if others were faster between the visitor's request and this moment."""
         with self._lock:
+            if self._has_all_tabs(visitor) or self._is_full(visitor):
+                raise NoRoomError
+            self._visitors.has_come(visitor.number)
             self._tabs.setdefault(visitor.number, []).append(close)
         self._listeners.call()
         try:
@@ -161,11 +175,23 @@ class Entrance:
                 return None if self._may_measure(request, visitor) else Answer(401, FOR_TEACHER)
             if visitor is None:
                 return self._door(401, request, port) if reader else Answer(401, NOT_IN)
-            if upgrade and len(self._tabs.get(visitor.number, ())) >= MAX_TABS:
+            if upgrade and self._has_all_tabs(visitor):
                 return Answer(503, f"You have {MAX_TABS} tabs open on this page: close one.")
             if self._is_full(visitor):
                 return self._door(503, request, port) if reader else Answer(503, self._full_sentence)
-        return None
+            return self._too_often(visitor) if upgrade else None
+
+    def _too_often(self, visitor: Visitor) -> Answer | None:
+        """The answer to a visitor who opens websockets all the time; None for anybody else, whose websocket counts."""
+        now = self._clock()
+        bucket = self._connects.setdefault(visitor.number, Bucket(*CONNECTS, CONNECTS[0], now))
+        wait = bucket.wait(now)
+        if wait == 0:
+            bucket.take()
+            return None
+        seconds = math.ceil(wait)
+        sentence = f"You have loaded this page very often: it opens again in {seconds} s."
+        return Answer(429, sentence, (("Retry-After", str(seconds)),))
 
     def _may_measure(self, request: Request, visitor: Visitor | None) -> bool:
         """The teacher, and a program that has the teacher's token."""
@@ -199,9 +225,12 @@ class Entrance:
             return Answer(503, self._full_sentence)
         secret = self._visitors.admit(role, self._clock())
         if secret is None:
-            return Answer(503, "Too many people have come in today: the teacher must start the page anew.")
+            return Answer(503, "Too many people have come in today: the teacher must end the class, or start anew.")
         flags = f"Path=/; Max-Age={int(LIFETIME)}; HttpOnly; SameSite=Strict" + "; Secure" * self._secure
         return Answer(200, "Welcome.", (("Set-Cookie", f"{self._cookie_name(port)}={secret}; {flags}"),))
+
+    def _has_all_tabs(self, visitor: Visitor) -> bool:
+        return len(self._tabs.get(visitor.number, ())) >= MAX_TABS
 
     def _is_full(self, visitor: Visitor) -> bool:
         outside = visitor.number not in self._tabs

@@ -10,7 +10,8 @@ COOKIE_BYTES = 32
 LIFETIME = 12 * 3600.0
 """s for which a cookie is valid: a day of classes."""
 MAX_ADMITTED = 2000
-"""Cookies that are remembered; a class that is entered more often than that begins anew."""
+"""Cookies that are remembered. Beyond that, students who were let in and never came are forgotten, the first of them
+first; a teacher is always let in."""
 
 
 class Role(StrEnum):
@@ -37,12 +38,14 @@ class Visitors:
     def __init__(self) -> None:
         self._by_digest: dict[bytes, Visitor] = {}
         self._students: set[int] = set()
+        self._came: set[int] = set()
+        """Who has opened a tab."""
         self._count = 0
 
     def admit(self, role: Role, now: float) -> str | None:
-        """Let a browser in. Returns the value of its cookie; None if too many were let in."""
+        """Let a browser in. Returns the value of its cookie; None for a student if too many were let in."""
         self._forget_expired(now)
-        if len(self._by_digest) >= MAX_ADMITTED:
+        if len(self._by_digest) >= MAX_ADMITTED and not self._forget_absent() and role is Role.STUDENT:
             return None
         secret = secrets.token_urlsafe(COOKIE_BYTES)
         self._count += 1
@@ -50,6 +53,10 @@ class Visitors:
             self._students.add(self._count)
         self._by_digest[digest(secret)] = Visitor(self._count, role, now + LIFETIME)
         return secret
+
+    def has_come(self, number: int) -> None:
+        """A visitor has opened a tab."""
+        self._came.add(number)
 
     def of(self, secret: str, now: float) -> Visitor | None:
         """Who has this cookie; None for a cookie that is forged, expired, or was taken back."""
@@ -71,6 +78,14 @@ class Visitors:
     def remove_students(self) -> None:
         """Take back the cookies of all students: the class is over."""
         self._by_digest = {key: one for key, one in self._by_digest.items() if one.role is Role.TEACHER}
+
+    def _forget_absent(self) -> bool:
+        """Take back the oldest cookie of a student who never came. Returns whether there was one."""
+        for key, one in self._by_digest.items():
+            if one.role is Role.STUDENT and one.number not in self._came:
+                del self._by_digest[key]
+                return True
+        return False
 
     def _forget_expired(self, now: float) -> None:
         self._by_digest = {key: one for key, one in self._by_digest.items() if now < one.until}

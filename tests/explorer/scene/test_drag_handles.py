@@ -16,7 +16,7 @@ from explorer.scene.bounds import SceneBounds
 from explorer.scene.drag_handles import DragHandles
 from explorer.scene.handle_position import HandleMove
 from explorer.scene.labels import Item, Labels
-from explorer.web import security
+from explorer.web import security, values
 from rangenav.inputs import Vec3
 from tests.support import wire
 from tests.support.wire import Wire
@@ -82,7 +82,7 @@ def tab(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> Iterator[
     visitor = Wire(server.get_port())
     visitor.wait_for(lambda: set(server.get_clients()) - known, "the connection")
     client = server.get_clients()[max(server.get_clients())]
-    security.accept_values_only(client)
+    values.accept_values_only(client)
     woken: list[None] = []
     tab = Tab(
         visitor, DragHandles(client.scene, Labels(client.scene, client.camera), lambda: woken.append(None)), woken

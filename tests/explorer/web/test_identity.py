@@ -12,7 +12,7 @@ import pytest
 import viser
 
 from explorer.storage.work_files import StorageError
-from explorer.web import identity, security
+from explorer.web import identity, security, values
 from explorer.web.identity import KEY, SLOT_KEY, Slots
 from tests.support import wire
 from tests.support.wire import Storage, Wire
@@ -57,7 +57,7 @@ def page() -> Iterator[Page]:
     running = Page(server, Slots(lambda tab: identity.connected(server, tab)))
 
     def welcome(client: viser.ClientHandle) -> None:
-        security.accept_values_only(client)
+        values.accept_values_only(client)
         running.session_keys[client.client_id] = identity.session_key(client, running.slots)
 
     server.on_client_disconnect(lambda client: running.slots.free(client.client_id))
@@ -75,8 +75,8 @@ def test_a_browser_is_given_an_id_and_known_by_it_again(page: Page):
     page.leave(tab)
     again, key_again = page.join(storage)
     assert key_again == session_key
+    again.wait_for(lambda: set(storage.shared) == {KEY}, "the copy of the slot to be taken away again")
     page.leave(again)
-    assert set(storage.shared) == {KEY}, "the copy of the slot is taken away again"
 
 
 def test_two_tabs_of_a_browser_have_their_own_slots_and_each_gets_its_own_back(page: Page):
@@ -121,7 +121,7 @@ def test_a_browser_that_keeps_nothing_has_no_key_and_nobody_waits_for_ever(
     page.leave(tab)
 
 
-@pytest.mark.parametrize("lie", ["../../etc/passwd", "A" * 32, "a" * 31, "", "a" * 100_000, 7, ["a"], {"a": 1}, True])
+@pytest.mark.parametrize("lie", ["../../etc/passwd", "A" * 32, "a" * 31, "", "a" * 100_000])
 def test_an_id_that_is_not_of_our_making_is_replaced(page: Page, lie: str):
     storage = Storage(shared={KEY: lie})
     tab, session_key = page.join(storage)

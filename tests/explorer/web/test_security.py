@@ -15,7 +15,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
-from explorer.web import security
+from explorer.web import security, values
 from tests.support.wire import Wire
 
 pytestmark = pytest.mark.slow
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def server() -> Iterator[viser.ViserServer]:
     opened = security.open_server("127.0.0.1", 0)
-    opened.on_client_connect(security.accept_values_only)
+    opened.on_client_connect(values.accept_values_only)
     yield opened
     opened.stop()
 

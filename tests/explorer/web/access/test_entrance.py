@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
+from explorer.web.access import visitors
 from explorer.web.access.attempts import PER_BROWSER, TOGETHER, Attempts
 from explorer.web.access.codes import ALPHABET, MAX_WRONG, Codes, checked_token
-from explorer.web.access.entrance import MAX_TABS, Answer, Entrance
+from explorer.web.access.entrance import CONNECTS, MAX_TABS, Answer, Entrance, NoRoomError
 from explorer.web.access.invitation import codes_with, invitation, qr_svg
 from explorer.web.access.visitors import LIFETIME, Role
 
@@ -216,6 +217,41 @@ def test_a_visitor_has_a_few_tabs_and_no_more(entrance: Entrance, codes: Codes) 
             tabs.enter_context(_tab(entrance, cookie))
         assert _status(entrance, cookie=cookie, upgrade=True) == 503
     assert entrance.inside == {}
+
+
+def test_tabs_that_come_in_one_moment_get_no_more_than_their_places(entrance: Entrance, codes: Codes) -> None:
+    cookie = _come_in(entrance, f"key {codes.key}")
+    assert all(_status(entrance, cookie=cookie, upgrade=True) is None for _ in range(MAX_TABS + 1))
+    with contextlib.ExitStack() as tabs:
+        for _ in range(MAX_TABS):
+            tabs.enter_context(_tab(entrance, cookie))
+        with pytest.raises(NoRoomError):
+            tabs.enter_context(_tab(entrance, cookie))
+        assert list(entrance.inside.values()) == [MAX_TABS]
+
+
+def test_who_reloads_all_the_time_waits_and_nobody_else_does(entrance: Entrance, codes: Codes, clock: Clock) -> None:
+    stormy, other = (_come_in(entrance, f"key {codes.key}") for _ in range(2))
+    statuses = [_status(entrance, cookie=stormy, upgrade=True) for _ in range(40)]
+    assert (statuses.count(None), statuses[-1]) == (CONNECTS[0], 429)
+    assert _status(entrance, cookie=other, upgrade=True) is None
+    assert _status(entrance, cookie=stormy) is None, "the page itself is there to say so"
+    clock.now += 1 / CONNECTS[1]
+    assert _status(entrance, cookie=stormy, upgrade=True) is None
+
+
+def test_who_comes_in_again_and_again_takes_nobodys_place(
+    entrance: Entrance, codes: Codes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(visitors, "MAX_ADMITTED", 20)
+    teacher, student = _come_in(entrance, f"token {codes.token}"), _come_in(entrance, f"key {codes.key}")
+    with _tab(entrance, student):
+        pass
+    first, *_ = [_come_in(entrance, f"key {codes.key}") for _ in range(30)]
+    assert _status(entrance, cookie=first) == 401, "never used, and forgotten"
+    assert _status(entrance, cookie=student) is None
+    assert _status(entrance, cookie=teacher) is None
+    _come_in(entrance, f"token {codes.token}")
 
 
 def test_who_is_sent_out_is_disconnected_and_does_not_come_back_with_the_cookie(
