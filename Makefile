@@ -42,7 +42,7 @@ check: $(VENV)/installed-test
 # A second environment with the floor of every direct dependency, made anew when pyproject.toml has changed.
 lowest: $(VENV)/installed-test
 	@mkdir -p build
-	@$(BIN)/python .ci/lowest.py quick > build/lowest.txt
+	@$(BIN)/python .ci/lowest.py quick studies > build/lowest.txt
 	PIP_CONSTRAINT=$(CURDIR)/build/lowest.txt $(MAKE) quick VENV=.venv-lowest
 
 docs: $(VENV)/installed-docs

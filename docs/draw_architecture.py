@@ -10,7 +10,7 @@ from pathlib import Path
 LIBRARY = (
     ("command line", ("commands", "explanation", "report"), "#e8e8e8"),
     ("certificates, files", ("repair", "certificate", "formats", "logs"), "#fde7d3"),
-    ("many runs", ("tune", "tradeoff", "ensemble", "comparison"), "#fdf3c8"),
+    ("many runs", ("studies", "tune", "tradeoff", "ensemble", "comparison"), "#fdf3c8"),
     ("one run", ("preset", "analysis", "record"), "#fdf3c8"),
     ("observers", ("refine", "baselines", "cascade", "riccati", "attitude"), "#d9edd9"),
     ("observability", ("observability",), "#d6e8f5"),

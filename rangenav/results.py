@@ -37,9 +37,9 @@ def result(kind: type[T]) -> type[T]:
 
 def summary(results: Any) -> str:
     """The fields of a result in a few lines: shapes and spans instead of numbers."""
-    units = _units(type(results))
+    known = units(type(results))
     parts = [
-        f"{field.name} {_shown(getattr(results, field.name))}{units.get(field.name, '')}"
+        f"{field.name} {_shown(getattr(results, field.name))}{known.get(field.name, '')}"
         for field in dataclasses.fields(results)
     ]
     lines = [f"{type(results).__name__}("]
@@ -89,16 +89,16 @@ def _array(values: np.ndarray) -> str:
 
 
 @cache
-def _units(kind: type) -> dict[str, str]:
-    """Units by field, read from the docstrings under them: they are written once, there."""
+def units(kind: type) -> dict[str, str]:
+    """Units by field, with a blank before each, read from the docstrings under them: they are written once, there."""
     body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
     assert isinstance(body, ast.ClassDef)
-    units = {}
+    known = {}
     for field, docstring in zip(body.body, body.body[1:], strict=False):
         if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
             continue
         if isinstance(docstring, ast.Expr) and isinstance(docstring.value, ast.Constant):
             unit = UNIT.match(str(docstring.value.value))
             if unit:
-                units[field.target.id] = f" {unit[0]}"
-    return units
+                known[field.target.id] = f" {unit[0]}"
+    return known

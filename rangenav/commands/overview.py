@@ -14,7 +14,7 @@ from rangenav.commands.text.lines import COLUMNS, wrapped
 Command = Callable[..., None]
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "understand a motion": ("presets", "analyze", "explain", "repair"),
-    "run the observers": ("simulate", "tune"),
+    "run the observers": ("simulate", "tune", "study"),
     "state and prove": ("certify", "verify"),
     "exchange files": ("export", "import", "log"),
 }

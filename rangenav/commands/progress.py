@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import BarColumn, Progress, TextColumn
 
 PATIENT = 1.0
 """s: what is done sooner shows no progress."""
@@ -40,6 +40,19 @@ def counting(task: str) -> Iterator[Callable[[float], None]]:
     with Progress(console=console, transient=True) as bar:
         number = bar.add_task(task, total=1.0)
         yield lambda share: bar.update(number, completed=share)
+
+
+@contextlib.contextmanager
+def describing(task: str) -> Iterator[Callable[[float, str], None]]:
+    """The same with a text behind the bar: the function given takes the share that is done, and the text."""
+    console = _terminal()
+    if console is None:
+        yield lambda _share, _words: None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"))
+    with Progress(*columns, console=console, transient=True) as bar:
+        number = bar.add_task(task, total=1.0, words="")
+        yield lambda share, words: bar.update(number, completed=share, words=words)
 
 
 def _terminal() -> Console | None:

@@ -1,0 +1,248 @@
+"""`rangenav study`: a study from a file, run on this machine or on a cluster, shown, exported, planned."""
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from rangenav.commands.output import print_json
+from rangenav.commands.progress import describing, working
+from rangenav.inputs import require
+
+if TYPE_CHECKING:
+    from rangenav.studies.plan import Plan
+    from rangenav.studies.running import State
+    from rangenav.studies.study import Study
+
+FileName = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STUDY.toml")]
+StoreName = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STORE.zarr")]
+STOPPED = 130
+"""The exit code of a program that Ctrl+C ended."""
+
+
+def plan(study: FileName, *, json: bool = False) -> None:
+    """Say what a study will take: points, runs, time and bytes. A few of its points are computed.
+
+    Args:
+        study: The file of the study.
+        json: Print one JSON object.
+    """
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import study as text
+    from rangenav.studies import plan as planning
+    from rangenav.studies import study as studies
+
+    of = studies.load(study)
+    with working("trying a few points"):
+        answer = plan_report(of, planning.plan(of), name=study)
+    return print_json(answer) if json else layout.show(text.planned(answer))
+
+
+def run(
+    study: FileName,
+    *,
+    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="STORE.zarr")] = None,
+    workers: int | None = None,
+    scheduler: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None,
+    dashboard: bool = False,
+    json: bool = False,
+) -> None:
+    """Compute a study. Ctrl+C keeps what is done, and the same command goes on where it stopped.
+
+    Args:
+        study: The file of the study.
+        output: The store; the name of the file with .zarr by default. If it is there, what is missing is computed.
+        workers: Processes on this machine; as many as it has cores by default.
+        scheduler: The address of a dask scheduler that runs already, such as tcp://10.0.0.1:8786.
+        dashboard: Show the dashboard of dask at http://127.0.0.1:8787.
+        json: Print one JSON object.
+    """
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import study as text
+    from rangenav.studies import running
+    from rangenav.studies import study as studies
+
+    of = studies.load(study)
+    path = study.with_suffix(".zarr").resolve() if output is None else output.resolve()
+    require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
+    require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
+    require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")
+    began, last = time.monotonic(), []
+    with describing(f"computing {study.name}") as show, _stoppable():
+
+        def shown(state: "State") -> None:
+            last[:] = [state]
+            show(state.done / state.parts, text.progress(state))
+
+        try:
+            count = workers or os.cpu_count() or 1
+            state = running.run(of, path, workers=count, scheduler=scheduler, dashboard=dashboard, shown=shown)
+        except KeyboardInterrupt:
+            kept = f"{last[0].done} of {last[0].parts} parts are kept" if last else "nothing was computed yet"
+            print(f"{path}: stopped; {kept}, and the same command goes on", file=sys.stderr)
+            raise SystemExit(STOPPED) from None
+    answer = run_report(of, state, store=path, seconds=time.monotonic() - began)
+    return print_json(answer) if json else layout.show(text.computed(answer))
+
+
+def show(store: StoreName, *, json: bool = False) -> None:
+    """Show what a store holds: how much is done, where each metric is least and largest, what is invalid.
+
+    Args:
+        store: The store.
+        json: Print one JSON object.
+    """
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import study as text
+    from rangenav.studies import store as stores
+
+    with working(f"reading {store.name}"):
+        answer = show_report(stores.opened(store))
+    return print_json(answer) if json else layout.show(text.shown(answer))
+
+
+def export(
+    store: StoreName,
+    *,
+    csv: Annotated[Path | None, tyro.conf.arg(metavar="TABLE.csv")] = None,
+    parquet: Annotated[Path | None, tyro.conf.arg(metavar="TABLE.parquet")] = None,
+    every_run: bool = False,
+    overwrite: bool = False,
+    json: bool = False,
+) -> None:
+    """Write a store as a table: a row for each point and estimator, or for each run.
+
+    Args:
+        store: The store.
+        csv: Write a CSV file.
+        parquet: Write a Parquet file.
+        every_run: A row for each run, with its seed.
+        overwrite: Replace the file if it exists.
+        json: Print one JSON object.
+    """
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import study as text
+    from rangenav.studies import export as exporting
+    from rangenav.studies import store as stores
+
+    of, files = stores.opened(store), {}
+    wanted = ((csv, exporting.to_csv, "--csv"), (parquet, exporting.to_parquet, "--parquet"))
+    require(csv is not None or parquet is not None, "give --csv TABLE.csv or --parquet TABLE.parquet, or both")
+    for path, _, flag in wanted:
+        if path is not None:
+            require(path.parent.is_dir(), f"{flag} {path}: no such folder")
+            require(overwrite or not path.exists(), f"{flag} {path}: exists already; --overwrite replaces it")
+    with working(f"writing {store.name}"):
+        for path, write, _ in wanted:
+            if path is not None:
+                files[str(path)] = write(of, path, every_run=every_run)
+    answer = {"store": str(store), "files": [{"file": name, "rows": rows} for name, rows in files.items()]}
+    return print_json(answer) if json else layout.show(text.exported(answer))
+
+
+Action = Annotated[
+    Annotated[None, tyro.conf.subcommand("plan", constructor=plan)]
+    | Annotated[None, tyro.conf.subcommand("run", constructor=run)]
+    | Annotated[None, tyro.conf.subcommand("show", constructor=show)]
+    | Annotated[None, tyro.conf.subcommand("export", constructor=export)],
+    tyro.conf.arg(name=""),
+]
+
+
+def study(action: Action) -> None:
+    """Compute maps and samples of many presets from a file: plan, run, show or export.
+
+    Example: rangenav study run anchor-map.toml
+
+    Args:
+        action: What to do.
+    """
+
+
+def plan_report(of: "Study", planned: "Plan", *, name: Path) -> dict[str, Any]:
+    """The JSON object of `rangenav study plan`."""
+    return {
+        "study": str(name),
+        "title": of.file.title,
+        "dimensions": dict(zip(of.dimensions, of.shape, strict=True)),
+        "points": planned.points,
+        "runs": planned.runs,
+        "least_runs": planned.least_runs,
+        "parts": planned.parts,
+        "cpu_seconds": planned.seconds,
+        "bytes": planned.bytes,
+        "cpu_seconds_per_point": planned.cost.point,
+        "cpu_seconds_per_run": planned.cost.run,
+    }
+
+
+def run_report(of: "Study", state: "State", *, store: Path, seconds: float) -> dict[str, Any]:
+    """The JSON object of `rangenav study run`."""
+    return {
+        "store": str(store),
+        "title": of.file.title,
+        "points": state.points,
+        "invalid": state.invalid,
+        "runs": state.runs,
+        "parts": state.parts,
+        "computed": state.computed,
+        "seconds": seconds,
+        "interval": state.width,
+    }
+
+
+def show_report(of: Any) -> dict[str, Any]:
+    """The JSON object of `rangenav study show`."""
+    from rangenav.studies import summary as summaries
+    from rangenav.studies.metrics import METRICS
+
+    study, held = of.study, summaries.summary(of)
+
+    def place(index: int) -> dict[str, float | str] | None:
+        return None if index < 0 else study.at(index)
+
+    return {
+        "store": str(of.path),
+        "title": study.file.title,
+        "dimensions": dict(zip(study.dimensions, study.shape, strict=True)),
+        "parts": {"all": held.parts, "done": held.done, "damaged": held.damaged},
+        "points": held.points,
+        "invalid": held.invalid,
+        "runs": held.runs,
+        "cpu_seconds": held.seconds,
+        "metrics": [
+            {
+                "metric": name,
+                "title": METRICS[name].title,
+                "unit": METRICS[name].unit,
+                "estimator": estimator or None,
+                "finite": one.finite,
+                "least": one.least if one.finite else None,
+                "least_at": place(one.least_at),
+                "largest": one.largest if one.finite else None,
+                "largest_at": place(one.largest_at),
+            }
+            for (name, estimator), one in held.metrics.items()
+        ],
+        "reasons": [{"words": words, "points": count} for words, count in held.reasons.most_common(20)],
+    }
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """SIGTERM, with which batch systems end a program, stops a study as Ctrl+C does."""
+
+    def stop(_number: int, _frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,139 @@
+"""`rangenav study` for a person."""
+
+from typing import TYPE_CHECKING
+
+from rangenav.commands.text import layout
+from rangenav.commands.text.layout import Report, group
+from rangenav.commands.text.verdict import Json
+from rangenav.number_format import percent, quantity, significant
+
+if TYPE_CHECKING:
+    from rangenav.studies.running import State
+
+MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
+SIZES = ("B", "kB", "MB", "GB", "TB")
+THOUSAND = 1000.0
+MOST_REASONS = 5
+
+
+def progress(state: "State") -> str:
+    """One line behind the bar: parts, rate, time left, and the interval of the watched metric."""
+    parts = [f"{state.done}/{state.parts} parts"]
+    if state.computed:
+        parts.append(f"{significant(state.rate)} {'runs' if state.runs else 'points'}/s")
+    if state.left is not None:
+        parts.append(f"{duration(state.left)} left")
+    if state.width is not None:
+        parts.append(f"±{percent(state.width)}")
+    return " · ".join(parts)
+
+
+def planned(answer: Json) -> Report:
+    """What a study will take."""
+    runs = f"{answer['runs']:,} runs".replace(",", " ")
+    if answer["least_runs"] != answer["runs"]:
+        runs = f"{answer['least_runs']:,} to {runs}".replace(",", " ")
+    each = [f"{1e3 * answer['cpu_seconds_per_point']:.3g} ms for each point"]
+    each += [f"{1e3 * answer['cpu_seconds_per_run']:.3g} ms for each run"] if answer["runs"] else []
+    return Report(
+        subject=layout.subject(answer["study"]),
+        sign="✓",
+        answer=f"{_count(answer['points'], 'point')}, {duration(answer['cpu_seconds'])} of one core",
+        title=answer["title"],
+        groups=(
+            *group("points", _dimensions(answer["dimensions"])),
+            *group("runs", runs if answer["runs"] else "none: no metric is of a run"),
+            *group("time", f"{duration(answer['cpu_seconds'])} of one core, shared by all workers", *each),
+            *group("store", f"at most {size(answer['bytes'])} in {_count(answer['parts'], 'part')}"),
+            *layout.next_commands(f"study run {layout.argument(answer['study'])}"),
+        ),
+    )
+
+
+def computed(answer: Json) -> Report:
+    """A study that is complete."""
+    store = layout.argument(answer["store"])
+    return Report(
+        subject=layout.subject(answer["store"]),
+        sign="✓",
+        answer=f"complete: {_count(answer['points'], 'point')}, {_count(answer['runs'], 'run')}",
+        title=answer["title"],
+        groups=(
+            *group("now", f"{answer['computed']} of {answer['parts']} parts in {duration(answer['seconds'])}"),
+            *group("invalid", f"{_count(answer['invalid'], 'point')}; study show has the reasons")[
+                : 1 if answer["invalid"] else 0
+            ],
+            *layout.next_commands(f"study show {store}", f"study export {store} --csv table.csv"),
+        ),
+    )
+
+
+def shown(answer: Json) -> Report:
+    """What a store holds."""
+    parts = answer["parts"]
+    complete = parts["done"] == parts["all"]
+    damaged = f"{_count(parts['damaged'], 'part')} damaged; study run computes what is missing"
+    return Report(
+        subject=layout.subject(answer["store"]),
+        sign="✓" if complete else "!",
+        answer="complete" if complete else f"{parts['done']} of {parts['all']} parts are done",
+        title=answer["title"],
+        groups=(
+            *group("points", _dimensions(answer["dimensions"]), damaged if parts["damaged"] else None),
+            *group("done", f"{_count(answer['points'], 'point')}, {_count(answer['runs'], 'run')}"),
+            *(one for row in answer["metrics"] for one in group(row["metric"], *_extremes(row))),
+            *group("invalid", _count(answer["invalid"], "point") if answer["invalid"] else None, _reasons(answer)),
+        ),
+    )
+
+
+def exported(answer: Json) -> Report:
+    """Tables that are written."""
+    return Report(
+        subject=layout.subject(answer["store"]),
+        sign="✓",
+        answer="exported",
+        groups=group("files", *(f"{one['file']}: {_count(one['rows'], 'row')}" for one in answer["files"])),
+    )
+
+
+def duration(seconds: float) -> str:
+    """A time in the unit that a person uses for it."""
+    for unit, name in ((DAY, "days"), (HOUR, "h"), (MINUTE, "min")):
+        if seconds >= 2 * unit:
+            return f"{seconds / unit:.3g} {name}"
+    return f"{seconds:.3g} s"
+
+
+def size(count: float) -> str:
+    """Bytes in the unit that a person uses for so many."""
+    for name in SIZES[:-1]:
+        if count < THOUSAND:
+            return f"{count:.3g} {name}"
+        count /= THOUSAND
+    return f"{count:.3g} {SIZES[-1]}"
+
+
+def _extremes(row: Json) -> list[str]:
+    of = f"{row['title']}, {row['estimator']}" if row["estimator"] else row["title"]
+    if not row["finite"]:
+        return [f"{of}: no finite value"]
+    both = (("least", "from"), ("largest", "to"))
+    return [of, *(f"{word} {quantity(row[key], row['unit'])} at {_place(row[f'{key}_at'])}" for key, word in both)]
+
+
+def _place(at: Json) -> str:
+    values = (f"{path} = {value if isinstance(value, str) else significant(value)}" for path, value in at.items())
+    return ", ".join(values) or "the one point"
+
+
+def _reasons(answer: Json) -> list[str]:
+    return [f"{one['points']} × {one['words']}" for one in answer["reasons"][:MOST_REASONS]]
+
+
+def _dimensions(of: Json) -> str:
+    return " × ".join(f"{name} {length}" for name, length in of.items())
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", " ")

@@ -1,0 +1,75 @@
+"""Where a study runs: workers of one thread on this machine, or those of a dask scheduler that runs already."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+from urllib.parse import urlsplit
+
+from rangenav.studies import extra, tasks
+
+DASHBOARD = "127.0.0.1:8787"
+CONNECT = "10s"
+"""How long a scheduler may take to answer."""
+QUIET = logging.CRITICAL
+LOCAL: dict[str, Any] = {
+    # A worker on this machine is lost when its connection breaks. Without this a jump of the clock would end them all.
+    "distributed.scheduler.worker-ttl": None,
+    "distributed.admin.tick.limit": "1h",
+    "distributed.logging.distributed": "critical",
+    "distributed.worker.profile.enabled": False,
+}
+
+
+@contextmanager
+def connected(client: Any = None, *, workers: int, scheduler: str | None, dashboard: bool) -> Iterator[Any]:
+    """A client of a new cluster on this machine, or of the scheduler at an address such as tcp://10.0.0.1:8786.
+
+    A client that is connected already is handed on, and stays connected.
+
+    Raises ValueError in one sentence if that scheduler does not answer.
+    """
+    distributed = extra.distributed()
+    if client is not None:
+        yield client
+        return
+    if scheduler is not None:
+        try:
+            reached = distributed.Client(scheduler, timeout=CONNECT)
+        except (OSError, ValueError) as error:
+            raise ValueError(f"--scheduler {scheduler}: does not answer ({type(error).__name__})") from None
+        with reached:
+            yield reached
+        return
+    from dask import config
+
+    with config.set(LOCAL):
+        logging.getLogger("distributed").setLevel(QUIET)
+        with (
+            distributed.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=0,
+                dashboard_address=DASHBOARD if dashboard else None,
+                silence_logs=QUIET,
+            ) as cluster,
+            distributed.Client(cluster) as own,
+        ):
+            yield own
+
+
+def threads(client: Any) -> int:
+    """How many tasks run at once."""
+    return sum(client.ncores().values())
+
+
+def compile_everywhere(client: Any, path: str, digest: str) -> None:
+    """Compile the kernels of a store's study once on every host, before work is dealt out."""
+    hosts = {urlsplit(address).hostname: address for address in client.ncores()}
+    client.gather(
+        [
+            client.submit(tasks.compile_kernels, path, digest, workers=[one], allow_other_workers=True, pure=False)
+            for one in hosts.values()
+        ]
+    )

@@ -1,0 +1,114 @@
+"""What a study will take: points, runs, parts, CPU time and bytes, from a trial of a few of its points.
+
+    seconds = points · point + runs · run        bytes ≤ 8 · (points · metrics + runs · estimators · metrics) + receipts
+The trial decides how many points a part has, and nothing of the results.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from rangenav.studies import blocks, evaluation
+from rangenav.studies.blocks import Blocks
+from rangenav.studies.study import Study
+
+PART_SECONDS = 6.0
+"""CPU time of one part: long against the overhead of a task, short enough to lose little with a worker."""
+LEAST_SECONDS = 0.3
+MANY = 32
+"""A small study has about so many parts, so that every worker has some."""
+TRIALS, TRIED = 3, 12
+"""Valid points that are timed, and points that are looked at to find them."""
+TRIAL_RUNS = 4
+RECEIPT_BYTES, FILE_BYTES = 400, 110
+"""Of a receipt, and for each of its files."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """CPU time on this machine, s."""
+
+    point: float
+    """Of one point without its runs."""
+    run: float
+    """Of one seed, all estimators together."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What a study will take."""
+
+    points: int
+    runs: int
+    """Seeds at all points; with a stopping rule, the most."""
+    least_runs: int
+    """The fewest that a stopping rule allows; the same as `runs` without one."""
+    parts: int
+    seconds: float
+    """CPU time of all runs on this machine."""
+    bytes: int
+    """On the disk before compression."""
+    cost: Cost
+
+
+def warm_up(study: Study) -> None:
+    """Compute one valid point with one run: every kernel that the study needs is then compiled, or loaded."""
+    for index in _places(study):
+        if not evaluation.point(study, index, runs=1).reason:
+            return
+
+
+def cost(study: Study) -> Cost:
+    """The CPU time of a point and of a run, medians of a few points."""
+    warm_up(study)
+    point, run = [], []
+    for index in _places(study):
+        began = time.process_time()
+        if evaluation.point(study, index, runs=0).reason:
+            continue
+        middle = time.process_time()
+        done = evaluation.point(study, index, runs=TRIAL_RUNS).runs.shape[1]  # of a motion that is cached by now
+        point.append(middle - began)
+        run.append((time.process_time() - middle) / done if done else 0.0)
+        if len(run) == TRIALS:
+            break
+    if not run:
+        return Cost(point=0.0, run=0.0)
+    return Cost(point=float(np.median(point)), run=float(np.median(run)))
+
+
+def divided(study: Study, of: Cost) -> Blocks:
+    """The parts of a study: some seconds of work each, or fewer if the study is small."""
+    stop, most = study.file.stop, study.file.most_runs
+    usual = most if stop is None else (stop.least * most) ** 0.5  # between the fewest and the most
+    each = max(of.point + of.run * usual, 1e-6)
+    seconds = min(PART_SECONDS, max(LEAST_SECONDS, each * study.count / MANY))
+    return blocks.divided(study.shape, max(1, int(seconds / each)))
+
+
+def plan(study: Study) -> Plan:
+    """What a study will take. It computes a few points, in this process."""
+    return of_cost(study, cost(study))
+
+
+def of_cost(study: Study, of: Cost) -> Plan:
+    """The same for a cost that is known."""
+    file, parts = study.file, divided(study, of).count
+    runs = study.count * file.most_runs
+    files = len(file.metrics) + 2
+    numbers = study.count * (len(file.point_metrics) + 1) + runs * len(file.estimators) * len(file.run_metrics)
+    return Plan(
+        points=study.count,
+        runs=runs,
+        least_runs=runs if file.stop is None else study.count * file.stop.least,
+        parts=parts,
+        seconds=study.count * of.point + runs * of.run,
+        bytes=8 * numbers + parts * (RECEIPT_BYTES + files * FILE_BYTES),
+        cost=of,
+    )
+
+
+def _places(study: Study) -> list[int]:
+    """Points spread over the study."""
+    return np.unique(np.linspace(0, study.count - 1, TRIED).round().astype(int)).tolist()

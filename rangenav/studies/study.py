@@ -1,0 +1,170 @@
+"""A study that can be computed: its file, its base presets, its points, and the preset and the seeds of each point."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from jaxtyping import Shaped
+from numpy import ndarray as Array
+from scipy.stats import qmc
+
+from rangenav import field_path, preset, signals
+from rangenav.inputs import require
+from rangenav.preset import Preset
+from rangenav.studies import study_file
+from rangenav.studies.parameters import DERIVED, SIZE, TIME_SCALE, Parameter
+from rangenav.studies.study_file import Grid, Sobol, StudyFile
+
+PRESET, POINT = "preset", "point"
+"""Names of dimensions."""
+SEED_BITS = 53
+"""Of a run's seed: every one may stand in a preset."""
+BOX_SAMPLES = 401
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study's file with its base presets; points are counted in the order of the dimensions, the last one fastest."""
+
+    file: StudyFile
+    bases: tuple[Preset, ...]
+    names: tuple[str, ...]
+    """Of the bases."""
+
+    @cached_property
+    def dimensions(self) -> tuple[str, ...]:
+        """`preset` if there are several, then each parameter of a grid, or `point` of a sample."""
+        several = (PRESET,) if len(self.bases) > 1 else ()
+        inner = tuple(p.dimension for p in self.file.parameters) if self._grid else (POINT,)
+        return (*several, *inner) or (POINT,)
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """How long each dimension is."""
+        several = (len(self.bases),) if len(self.bases) > 1 else ()
+        inner = tuple(len(values) for values in self.values.values()) if self._grid else (self._sampled,)
+        return (*several, *inner) or (1,)
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return int(np.prod(self.shape, dtype=object))
+
+    @cached_property
+    def values(self) -> Mapping[str, Shaped[Array, "n"]]:
+        """The values of each parameter by the name of its dimension: of a grid along it, of a sample at each point."""
+        parameters = self.file.parameters
+        if self._grid:
+            return {one.dimension: one.grid() for one in parameters}
+        share = _shares(self.file)
+        return {one.dimension: one.quantile(share[:, k]) for k, one in enumerate(parameters)}
+
+    @cached_property
+    def digest(self) -> str:
+        """The SHA-256 of all that decides the results: what stays the same may go on in the same store."""
+        content = [study_file.dumps(self.file), *self.names, *map(preset.dumps, self.bases)]
+        return hashlib.sha256("\0".join(content).encode()).hexdigest()
+
+    @property
+    def watched(self) -> str | None:
+        """The metric whose interval the progress shows: the stopping rule's, else the first of a run; None without."""
+        file = self.file
+        return file.stop.metric if file.stop is not None else next(iter(file.run_metrics), None)
+
+    def parameter(self, dimension: str) -> Parameter:
+        """The parameter of a dimension."""
+        (one,) = (one for one in self.file.parameters if one.dimension == dimension)
+        return one
+
+    def at(self, index: int) -> dict[str, float | str]:
+        """The values of the parameters at a point, by their paths."""
+        place = self._place(index)
+        count = len(self.file.parameters)
+        inner = place[len(place) - count :] if self._grid else place[-1:] * count
+        return {
+            parameter.path: _plain(values[k])
+            for parameter, values, k in zip(self.file.parameters, self.values.values(), inner, strict=True)
+        }
+
+    def preset_at(self, index: int) -> Preset:
+        """The preset of a point. Raises ValueError with one sentence if the values do not fit."""
+        base = self.bases[self._place(index)[0] if len(self.bases) > 1 else 0]
+        values = self.at(index)
+        changed = {path: value for path, value in values.items() if path not in DERIVED}
+        of = field_path.replaced(base, changed) if changed else base
+        for name in DERIVED:
+            if name in values:
+                of = _with_path(of, name, float(values[name]))
+        return of
+
+    def seed(self, index: int, run: int) -> int:
+        """The seed of a run: it depends on nothing but the study's seed and on both indices."""
+        sequence = np.random.SeedSequence(self.file.seed, spawn_key=(index, run))
+        return int(sequence.generate_state(1, np.uint64)[0]) >> (64 - SEED_BITS)
+
+    def _place(self, index: int) -> tuple[int, ...]:
+        return tuple(int(k) for k in np.unravel_index(index, self.shape))
+
+    @property
+    def _grid(self) -> bool:
+        return isinstance(self.file.design, Grid)
+
+    @property
+    def _sampled(self) -> int:
+        assert not isinstance(self.file.design, Grid)
+        return self.file.design.points
+
+
+def load(path: str | Path) -> Study:
+    """A study from its file. Raises ValueError in one sentence that names file, field and rule."""
+    path = Path(path)
+    file = study_file.read(path)
+    try:
+        bases = tuple(preset.load(_beside(name, path)) for name in file.presets)
+        return of_file(file, bases, tuple(Path(name).stem for name in file.presets))
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from None
+
+
+def of_file(file: StudyFile, bases: tuple[Preset, ...], names: tuple[str, ...] | None = None) -> Study:
+    """A study of presets that are values already. Raises ValueError if a parameter names nothing in one of them."""
+    names = file.presets if names is None else names
+    require(len(set(names)) == len(names), f"presets must have different names, got {', '.join(names)}")
+    study_file.refuse_unknown_paths(file, bases)
+    return Study(file=file, bases=bases, names=names)
+
+
+def _beside(name: str, path: Path) -> str | Path:
+    """A preset's file is named from the folder of the study's file."""
+    return path.parent / name if name.endswith(".toml") or Path(name).parent != Path(".") else name
+
+
+def _with_path(of: Preset, name: str, factor: float) -> Preset:
+    """The preset with its whole path run slower, or made larger. Raises ValueError."""
+    try:
+        if name == TIME_SCALE:
+            return msgspec.structs.replace(of, path=signals.slowed(of.path, factor))
+        assert name == SIZE
+        places = of.path(np.linspace(0, of.duration, BOX_SAMPLES))
+        x, y, z = ((places.max(axis=0) + places.min(axis=0)) / 2).tolist()
+        return msgspec.structs.replace(of, path=signals.scaled(of.path, factor, about=(x, y, z)))
+    except ValueError as error:
+        raise ValueError(f"{name} = {factor:g}: {error}") from None
+
+
+def _shares(file: StudyFile) -> Array:
+    """Points in the unit cube, a row for each."""
+    rng = np.random.default_rng(file.seed)
+    dimensions = len(file.parameters)
+    assert not isinstance(file.design, Grid)
+    make: Any = qmc.Sobol if isinstance(file.design, Sobol) else qmc.LatinHypercube
+    return make(dimensions, seed=rng).random(file.design.points)  # scipy calls it rng only from 1.15 on
+
+
+def _plain(value: object) -> float | str:
+    return value if isinstance(value, str) else float(value)  # pyright: ignore[reportArgumentType]

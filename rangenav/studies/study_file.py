@@ -1,0 +1,191 @@
+"""The file of a study: base presets, parameters, design, seeds, estimators, metrics and a stopping rule, as TOML.
+
+Errors name file, field and rule: `anchor.toml: parameters[1]: low must lie below high, got 3 and -3`.
+"""
+
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from rangenav import field_path, preset, toml_limits
+from rangenav.inputs import Input, require, require_within
+from rangenav.preset import Preset
+from rangenav.studies.estimators import ESTIMATORS
+from rangenav.studies.metrics import METRICS
+from rangenav.studies.parameters import DERIVED, Choices, Listed, Parameter
+from rangenav.studies.stopping import Stop
+
+FORMAT_VERSION = 1
+MAX_POINTS = 10_000_000
+MAX_RUNS = 10_000
+"""Of one point: all of its runs are one task's work."""
+MAX_SEED = 2**53
+RESERVED = ("point", "run", "estimator", "preset", "runs", "reason", "receipts")
+"""Names in the store that no parameter may have."""
+
+
+class Grid(Input, frozen=True, kw_only=True, tag="grid", tag_field="kind"):
+    """Every combination of the parameters' values."""
+
+
+class Sobol(Input, frozen=True, kw_only=True, tag="sobol", tag_field="kind"):
+    """A scrambled Sobol sequence (scipy.stats.qmc)."""
+
+    points: int
+    """A power of two, for which the sequence is balanced."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _refuse_points(self.points)
+        require(self.points & (self.points - 1) == 0, f"points must be a power of two, got {self.points}")
+
+
+class LatinHypercube(Input, frozen=True, kw_only=True, tag="latin-hypercube", tag_field="kind"):
+    """A Latin hypercube (scipy.stats.qmc): of as many parts of each parameter as there are points, each has one."""
+
+    points: int
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _refuse_points(self.points)
+
+
+Design = Grid | Sobol | LatinHypercube
+
+
+class StudyFile(Input, frozen=True, kw_only=True):
+    """Everything that a person chooses for a study."""
+
+    version: Literal[1] = FORMAT_VERSION
+    title: str
+    presets: tuple[str, ...]
+    """Names of shipped presets, or paths of TOML files, taken from the folder of the study's file. Several become a
+    dimension."""
+    parameters: tuple[Parameter, ...] = ()
+    design: Design = Grid()
+    runs: int = 1
+    """Seeds at each point; with a stopping rule, the most. Not used if no metric is of a run."""
+    seed: int = 0
+    """The seeds of all runs, and the sample of the points, follow from it."""
+    estimators: tuple[str, ...] = ("cascade",)
+    metrics: tuple[str, ...]
+    windows: int = 101
+    """Windows, evenly spaced over the flight, whose worst the metrics of observability are."""
+    stop: Stop | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        preset.refuse_title(self.title)
+        require(len(self.presets) > 0, "presets must name one preset or more")
+        require_within("runs", self.runs, 1, MAX_RUNS)
+        require(0 <= self.seed < MAX_SEED, f"seed must lie between 0 and 2^53, got {self.seed}")
+        require_within("windows", self.windows, 2, 2001)
+        for field, names, table in (("metrics", self.metrics, METRICS), ("estimators", self.estimators, ESTIMATORS)):
+            require(len(names) > 0, f"{field} must name one or more of {', '.join(table)}")
+            require(len(set(names)) == len(names), f"{field} must not name one twice")
+            for name in names:
+                require(name in table, f"{field}: there is no {name}; there are {', '.join(table)}")
+        self._refuse_names()
+        self._refuse_counts()
+        if self.stop is not None:
+            rule = f"stop.metric must be one of the metrics of a run: {', '.join(self.run_metrics) or 'there is none'}"
+            require(self.stop.metric in self.run_metrics, f"{rule}; got {self.stop.metric}")
+            require(
+                self.stop.least <= self.runs, f"stop.least must not exceed runs ({self.runs}), got {self.stop.least}"
+            )
+
+    def _refuse_names(self) -> None:
+        names = [parameter.dimension for parameter in self.parameters]
+        for k, name in enumerate(names):
+            require(name not in names[:k], f"parameters[{k}]: the name {name} is taken; `name` gives another")
+            taken = name in RESERVED or name in METRICS
+            require(not taken, f"parameters[{k}]: name must not be {name}, which the store uses")
+
+    def _refuse_counts(self) -> None:
+        """A grid needs the number of values of each parameter, and a sample must not have it."""
+        grid = isinstance(self.design, Grid)
+        require(grid or len(self.parameters) > 0, "a sample needs one parameter or more")
+        for k, parameter in enumerate(self.parameters):
+            if isinstance(parameter, Listed | Choices):
+                continue
+            missing, kind = parameter.count is None, type(self.design).__struct_config__.tag
+            require(not (grid and missing), f"parameters[{k}]: count is missing; a grid needs it")
+            require(grid or missing, f"parameters[{k}]: count is for a grid; the design {kind} states points")
+        require_within("the number of points", self.count, 1, MAX_POINTS)
+
+    @property
+    def run_metrics(self) -> tuple[str, ...]:
+        """Metrics that each run has."""
+        return tuple(name for name in self.metrics if METRICS[name].needs == "run")
+
+    @property
+    def point_metrics(self) -> tuple[str, ...]:
+        """Metrics that each point has once."""
+        return tuple(name for name in self.metrics if METRICS[name].needs != "run")
+
+    @property
+    def most_runs(self) -> int:
+        """Seeds at each point at most: 0 if no metric is of a run."""
+        return self.runs if self.run_metrics else 0
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        sizes = [parameter.size or 0 for parameter in self.parameters]
+        each = int(np.prod(sizes, dtype=object)) if isinstance(self.design, Grid) else self.design.points
+        return each * len(self.presets)
+
+
+def loads(text: str, *, source: str) -> StudyFile:
+    """A study's file from TOML text; errors start with `source`. Raises ValueError."""
+    try:
+        return toml_limits.decode(text, StudyFile)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+
+
+def dumps(file: StudyFile) -> str:
+    """TOML text that `loads` turns into an equal value."""
+    table = msgspec.to_builtins(file)
+    if file.stop is None:
+        del table["stop"]
+    for parameter in table["parameters"]:
+        for name in [name for name, entry in parameter.items() if entry is None or entry == ""]:
+            del parameter[name]
+    return msgspec.toml.encode(table).decode()
+
+
+def read(path: Path) -> StudyFile:
+    """The file of a study. Raises ValueError with one sentence."""
+    require(path.is_file(), f"{path}: no such file")
+    try:
+        content = path.read_bytes()
+        require(len(content) <= toml_limits.MAX_BYTES, f"{path.name}: larger than {toml_limits.MAX_BYTES} bytes")
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path.name}: not UTF-8 text (byte {error.start})") from None
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+    return loads(text, source=path.name)
+
+
+def refuse_unknown_paths(file: StudyFile, bases: tuple[Preset, ...]) -> None:
+    """Raise ValueError if a parameter names no number, or no word, of one of the presets."""
+    for k, parameter in enumerate(file.parameters):
+        if parameter.path in DERIVED:
+            require(not isinstance(parameter, Choices), f"parameters[{k}]: {parameter.path} takes numbers")
+            continue
+        for base in bases:
+            try:
+                if isinstance(parameter, Choices):
+                    field_path.word(base, parameter.path)
+                else:
+                    field_path.value(base, parameter.path)
+            except ValueError as error:
+                raise ValueError(f"parameters[{k}]: path {error}") from None
+
+
+def _refuse_points(points: int) -> None:
+    require_within("points", points, 1, MAX_POINTS)

@@ -1,0 +1,87 @@
+"""A point of a study is what the library computes for its preset and its seeds, one call at a time."""
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from rangenav import analysis, comparison, record
+from rangenav.progress import CancelledError
+from rangenav.studies import evaluation, maps, stopping, study
+from rangenav.studies.estimators import ESTIMATORS
+from rangenav.studies.metrics import METRICS
+from rangenav.studies.parameters import Listed
+from rangenav.studies.stopping import Stop
+
+
+def changed(of: study.Study, **fields) -> study.Study:
+    return study.of_file(replace(of.file, **fields), of.bases)
+
+
+def test_every_run_is_the_run_of_its_preset_with_its_seed_to_the_last_bit(small: study.Study):
+    done, chosen = evaluation.point(small, 5), small.preset_at(5)
+    runs = [record.run_seed(chosen, small.seed(5, run)).summary.steady_position for run in range(4)]
+    assert done.runs[0, :, 0].tolist() == runs
+    assert done.point.tolist() == [analysis.sampled(chosen).lifted_end.position, 1.0]
+
+
+def test_estimators_share_the_record_of_a_run(small: study.Study):
+    one = evaluation.point(changed(small, estimators=tuple(ESTIMATORS), runs=1), 5)
+    of = record.run_seed(small.preset_at(5), small.seed(5, 0))
+    steady = dict(zip(ESTIMATORS, one.runs[:, 0, 0], strict=True))
+    assert steady["ekf"] == comparison.filtered(of).summary.steady_position
+    assert steady["refinement"] == comparison.refined(of).summary.steady_position
+    assert steady["cascade"] == steady["schedule"]  # its k1 turns the attitude only
+    assert len(set(steady.values())) == len(ESTIMATORS) - 1
+
+
+def test_every_metric_is_a_number_of_a_usual_motion(small: study.Study):
+    of = changed(small, metrics=tuple(METRICS), runs=1)
+    one = evaluation.point(of, 5)
+    assert np.isfinite(one.point).all()
+    late = [name for name, value in zip(of.file.run_metrics, one.runs[0, 0], strict=True) if not np.isfinite(value)]
+    assert set(late) <= {"settle_position", "settle_attitude"}
+
+
+def test_a_value_that_does_not_fit_makes_the_point_invalid_with_its_reason_and_no_other(small: study.Study):
+    parameter = Listed(path="sensors.imu_rate", values=(200.0, -5.0, 400.0))
+    block = evaluation.block(changed(small, parameters=(parameter,)), range(3))
+    assert block.count.tolist() == [4, 0, 4]
+    assert np.isnan(block.point[1]).all()
+    assert np.isnan(block.runs[1]).all()
+    assert [bool(words) for words in block.reason] == [False, True, False]
+    assert "sensors.imu_rate = -5" in block.reason[1]
+
+
+def test_a_point_ends_when_the_interval_is_narrow_and_not_before(small: study.Study):
+    stop = Stop(metric="steady_position", half_width=0.3, least=4)
+    ended = evaluation.block(changed(small, stop=stop, runs=24), [0, 5])
+    for row, count in zip(ended.runs[:, 0, :, 0], ended.count, strict=True):
+        widths = [stopping.relative_half_width(row[None, :n])[0] for n in range(4, count + 1, 4)]
+        assert all(width > 0.3 for width in widths[:-1])
+        assert widths[-1] <= 0.3 or count == 24
+    all_runs = evaluation.block(changed(small, runs=24), [0, 5])
+    for k, count in enumerate(ended.count):
+        assert (ended.runs[k, :, :count] == all_runs.runs[k, :, :count]).all()
+        assert np.isnan(ended.runs[k, :, count:]).all()
+
+
+def test_the_interval_holds_the_mean_of_a_normal_number_in_95_of_100_cases():
+    values = np.random.default_rng(0).normal(3.0, 1.0, (4000, 5))
+    inside = np.abs(values.mean(axis=1) - 3.0) <= stopping.half_width(values)
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.01)
+
+
+def test_a_map_comes_from_coarse_to_fine_and_ends_with_the_values_of_the_points(small: study.Study):
+    of, shares = changed(small, runs=1), []
+    pictures = list(maps.coarse_to_fine(of, every=0.0, progress=shares.append))
+    assert shares == sorted(shares)
+    assert shares[-1] == pictures[-1].share == pictures[-1].step == 1
+    points = [evaluation.point(of, k).point[0] for k in range(of.count)]
+    assert pictures[-1].values["sigma_lifted"].ravel().tolist() == points
+    first = pictures[0]
+    assert (first.filled("sigma_lifted") == first.values["sigma_lifted"][0, 0]).all()
+
+
+def test_a_map_that_is_not_wanted_stops(small: study.Study):
+    with pytest.raises(CancelledError):
+        list(maps.coarse_to_fine(small, cancelled=lambda: True))

@@ -1,0 +1,173 @@
+"""A store holds each part once, whole or not at all; xarray reads it; what is damaged is computed again.
+
+The clusters are of threads in this process; test_faults has processes.
+"""
+
+import resource
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from rangenav.progress import CancelledError
+from rangenav.studies import blocks, evaluation, export, receipts, running, store, study, tasks
+from rangenav.studies.parameters import Listed
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+
+distributed = pytest.importorskip("distributed")
+xarray = pytest.importorskip("xarray")
+
+
+@pytest.fixture(scope="module")
+def client():
+    """A dask client of two threads in this process."""
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, protocol="inproc"
+        ) as cluster,
+        distributed.Client(cluster) as made,
+    ):
+        yield made
+
+
+@pytest.fixture(scope="module")
+def whole(small: study.Study, client, tmp_path_factory: pytest.TempPathFactory) -> store.Store:
+    """The small study, computed in six parts."""
+    path = tmp_path_factory.mktemp("whole") / "small.zarr"
+    store.created(path, small, blocks.divided(small.shape, 2))
+    running.run(small, path, client=client)
+    return store.opened(path)
+
+
+@pytest.fixture
+def copy(whole: store.Store, tmp_path: Path) -> Path:
+    """A copy of its store, to be damaged."""
+    return Path(shutil.copytree(whole.path, tmp_path / "small.zarr"))
+
+
+def same(path: Path, other: Path) -> bool:
+    """Whether two stores hold the same bytes, but for the receipts, which say how long the parts took."""
+
+    def files(of: Path) -> dict[str, bytes]:
+        return {str(f.relative_to(of)): f.read_bytes() for f in of.rglob("*") if f.is_file() and "/c/" in str(f)}
+
+    return files(path) == files(other)
+
+
+def test_xarray_opens_a_store_with_its_dimensions_coordinates_units_and_the_studys_file(
+    whole: store.Store, small: study.Study
+):
+    opened = xarray.open_zarr(whole.path).load()
+    block = evaluation.block(small, range(small.count))
+    assert dict(opened.sizes) == {"world_anchor_x": 4, "time_scale": 3, "estimator": 1, "run": 4}
+    assert opened.world_anchor_x.values.tolist() == np.linspace(-2, 2, 4).tolist()
+    assert (opened.sigma_lifted.units, opened.world_anchor_x.units) == ("m", "m")
+    assert opened.sigma_lifted.values.ravel().tolist() == block.point[:, 0].tolist()
+    assert opened.steady_position.values.reshape(12, 1, 4).tolist() == block.runs[..., 0].tolist()
+    assert opened.runs.values.tolist() == [[4] * 3] * 4
+    (opened.steady_position.mean("run").sel(estimator="cascade") - opened.sigma_lifted).sel(time_scale=1.0)
+    assert study.study_file.loads(opened.attrs["study"], source="x") == small.file
+
+
+def test_a_sample_has_its_parameters_as_coordinates_of_its_points_and_an_invalid_point_its_reason(
+    small: study.Study, client, tmp_path: Path
+):
+    rates = Listed(path="sensors.imu_rate", values=(-5.0, 400.0))
+    design = study.study_file.LatinHypercube(points=4)
+    of = study.of_file(replace(small.file, parameters=(rates,), design=design, metrics=("rank",)), small.bases)
+    state = running.run(of, tmp_path / "sample.zarr", client=client)
+    opened = xarray.open_zarr(tmp_path / "sample.zarr").load()
+    assert (state.points, state.invalid, state.runs) == (4, 2, 0)
+    wrong = opened.sensors_imu_rate.values == -5
+    assert opened["rank"].dims == ("point",)
+    assert "sensors_imu_rate" in opened.coords
+    assert all(("imu_rate" in words) == bad for words, bad in zip(opened.reason.values, wrong, strict=True))
+    assert np.isnan(opened["rank"].values[wrong]).all()
+
+
+def test_a_damaged_part_is_computed_again_and_no_other(whole: store.Store, small: study.Study, client, copy: Path):
+    shutil.rmtree(copy / "receipts")
+    shutil.copytree(whole.path / "receipts", copy / "receipts")
+    chunk = copy / next(iter(whole.chunks(1)))
+    chunk.write_bytes(chunk.read_bytes()[:-1] + b"?")
+    (copy / "receipts" / "00000000.json").write_text('{"receipt": "{}"')
+    assert sorted(set(range(whole.blocks.count)) - set(store.opened(copy).done())) == [0, 1]
+    state = running.run(small, copy, client=client)
+    assert (state.computed, state.done, state.runs) == (2, whole.blocks.count, 48)
+    assert same(copy, whole.path)
+
+
+def test_the_store_is_the_same_for_other_parts_in_another_order(whole: store.Store, small: study.Study, tmp_path: Path):
+    path = tmp_path / "one.zarr"
+    made = store.created(path, small, blocks.divided(small.shape, 5))
+    for part in reversed(range(made.blocks.count)):
+        tasks.compute(str(path), small.digest, part)
+    one, two = xarray.open_zarr(path).load(), xarray.open_zarr(whole.path).load()
+    assert one.drop_attrs().identical(two.drop_attrs())
+
+
+def test_another_study_and_a_second_program_are_refused(small: study.Study, whole: store.Store, client, copy: Path):
+    other = study.of_file(replace(small.file, seed=4), small.bases)
+    with pytest.raises(ValueError, match=r"small.zarr: holds another study, 'a small study'"):
+        running.run(other, copy, client=client)
+    with store.opened(copy).locked(), pytest.raises(ValueError, match="another program is computing this study"):
+        running.run(small, copy, client=client)
+    with pytest.raises(ValueError, match=r"must end in .zarr"):
+        running.run(small, copy.parent / "small.nc", client=client)
+    (copy.parent / "empty.zarr").mkdir()
+    with pytest.raises(ValueError, match="no zarr group"):
+        store.opened(copy.parent / "empty.zarr")
+
+
+def test_a_disk_that_refuses_leaves_no_receipt_and_the_same_call_goes_on(
+    small: study.Study, whole: store.Store, client, copy: Path
+):
+    for file in (copy / "receipts").glob("*.json"):
+        file.unlink()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (16, limits[1]))  # bytes of a file, for every process alike
+    try:
+        with pytest.raises(running.StoppedError, match=r"0 of \d+ parts are kept, and the same command goes on"):
+            running.run(small, copy, client=client)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert store.opened(copy).receipts() == {}
+    assert running.run(small, copy, client=client).runs == 48
+    assert same(copy, whole.path)
+
+
+def test_what_is_stopped_is_kept(small: study.Study, whole: store.Store, client, copy: Path):
+    for file in list((copy / "receipts").glob("*.json"))[1:]:
+        file.unlink()
+    states = []
+    with pytest.raises(CancelledError):
+        running.run(small, copy, client=client, shown=states.append, cancelled=lambda: len(states) > 1)
+    kept = store.opened(copy).done()
+    assert 2 <= len(kept) < whole.blocks.count
+    state = running.run(small, copy, client=client)
+    assert state.computed == whole.blocks.count - len(kept)
+    assert same(copy, whole.path)
+
+
+def test_a_table_has_a_row_for_each_point_or_for_each_run(whole: store.Store, tmp_path: Path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert export.to_csv(whole, tmp_path / "points.csv") == 12
+    assert export.to_parquet(whole, tmp_path / "runs.parquet", every_run=True) == 48
+    table = parquet.read_table(tmp_path / "runs.parquet").to_pydict()
+    opened = xarray.open_zarr(whole.path).load()
+    row = table["seed"].index(whole.study.seed(5, 2))
+    assert table["steady_position"][row] == opened.steady_position.values[1, 2, 0, 2]
+    head, *lines = (tmp_path / "points.csv").read_text().splitlines()
+    values = dict(zip(head.split(","), lines[5].split(","), strict=True))
+    assert float(values["steady_position"]) == pytest.approx(opened.steady_position.values[1, 2].mean())
+    assert float(values["time_scale"]) == opened.time_scale.values[2]
+
+
+def test_a_receipt_with_one_changed_digit_counts_as_none(whole: store.Store, tmp_path: Path):
+    text = receipts.path(whole.path, 0).read_text()
+    (tmp_path / "0.json").write_text(text.replace('\\"runs\\":', '\\"runs\\":1'))
+    assert receipts.read(receipts.path(whole.path, 0)) is not None
+    assert receipts.read(tmp_path / "0.json") is None

@@ -1,0 +1,130 @@
+"""A study's file names its points, their presets and their seeds; what does not fit is refused with its field."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rangenav import preset
+from rangenav.field_path import value
+from rangenav.studies import blocks, parameters, study, study_file, units
+from rangenav.studies.parameters import Linear, Listed, Log, LogNormal, Normal
+from rangenav.studies.study_file import LatinHypercube, Sobol, StudyFile
+
+SLOW = preset.load("paper-slow")
+Q, ANCHOR = (
+    Log(path="gains.riccati.q", low=1.0, high=1e4, count=3),
+    Linear(path="world.anchor.z", low=-1, high=1, count=2),
+)
+
+
+def of(*chosen: parameters.Parameter, **fields) -> study.Study:
+    file = StudyFile(title="x", presets=("paper-slow",), parameters=chosen, metrics=("mu",), **fields)
+    return study.of_file(file, (SLOW,))
+
+
+def test_the_last_dimension_of_a_grid_runs_fastest_and_every_point_has_its_values():
+    grid = of(Q, ANCHOR)
+    assert (grid.dimensions, grid.shape) == (("gains_riccati_q", "world_anchor_z"), (3, 2))
+    points = [(value(p, Q.path), p.world.anchor[2]) for p in map(grid.preset_at, range(grid.count))]
+    assert points == [(q, z) for q in Q.grid() for z in (-1.0, 1.0)]
+
+
+def test_several_presets_are_the_first_dimension():
+    file = StudyFile(title="x", presets=("paper-slow", "circle"), parameters=(ANCHOR,), metrics=("mu",))
+    both = study.of_file(file, (SLOW, preset.load("circle")))
+    assert (both.dimensions, both.shape) == (("preset", "world_anchor_z"), (2, 2))
+    assert [both.preset_at(k).title for k in range(4)] == [SLOW.title] * 2 + [preset.load("circle").title] * 2
+
+
+@pytest.mark.parametrize("design", [Sobol(points=64), LatinHypercube(points=50)])
+def test_a_sample_has_as_many_values_in_each_part_of_a_distribution_as_the_part_is_probable(design):
+    chosen = (Normal(path="world.anchor.x", mean=2.0, deviation=0.5), Log(path="gains.riccati.q", low=1.0, high=1e4))
+    sample = of(*chosen, design=design)
+    assert (sample.dimensions, sample.count) == (("point",), design.points)
+    x, q = sample.values.values()
+    assert np.mean(x < 2.0) == np.mean(q < 1e2) == 0.5
+    assert abs(np.mean(np.abs(x - 2.0) < 0.5) - 0.683) < 0.05
+    again = of(*chosen, design=design)
+    assert all((a == b).all() for a, b in zip(sample.values.values(), again.values.values(), strict=True))
+    assert (of(*chosen, design=design, seed=1).values["world_anchor_x"] != x).any()
+
+
+def test_the_values_of_a_distribution_in_a_grid_are_the_medians_of_equal_parts():
+    assert Normal(path="p", mean=1.0, deviation=2.0, count=1).grid() == [1.0]
+    low, high = LogNormal(path="p", median=3.0, factor=2.0, count=2).grid()
+    assert low * high == pytest.approx(9.0)
+    assert low == pytest.approx(3.0 * 2**-0.6745, rel=1e-4)
+
+
+def test_a_seed_depends_on_the_studys_seed_and_on_both_indices_alone():
+    one, other = of(Q), of(Q, ANCHOR, runs=7)
+    seeds = [one.seed(point, run) for point in range(50) for run in range(50)]
+    assert len(set(seeds)) == 2500
+    assert all(0 <= seed < 2**53 for seed in seeds)
+    assert other.seed(2, 5) == one.seed(2, 5) != of(Q, seed=1).seed(2, 5)
+
+
+def test_time_scale_and_size_act_on_the_whole_path():
+    scaled = of(Listed(path="time_scale", values=(2.0,)), Listed(path="size", values=(3.0,))).preset_at(0)
+    half, middle = np.array([1.0]), SLOW.path(np.linspace(0, 20, 401))
+    middle = (middle.min(axis=0) + middle.max(axis=0)) / 2
+    assert scaled.path(2 * half) == pytest.approx(middle + 3 * (SLOW.path(half) - middle), abs=1e-9)
+
+
+def test_a_value_that_does_not_fit_is_refused_with_its_path_and_the_rule():
+    with pytest.raises(ValueError, match=r"gains.riccati.q = 1e\+30: .*q must lie between"):
+        of(Listed(path="gains.riccati.q", values=(1e30,))).preset_at(0)
+
+
+def test_the_unit_of_a_parameter_is_that_of_its_field():
+    paths = ("world.anchor.x", "duration", "path.tones.1.frequency", "time_scale", "guess.attitude_angle")
+    found = [units.of(Listed(path=path, values=(1.0,)), SLOW) for path in paths]
+    assert found == ["m", "s", "rad/s", "", "rad"]
+
+
+def test_a_file_is_written_and_read_without_loss():
+    file = of(Q, ANCHOR, runs=8).file
+    assert study_file.loads(study_file.dumps(file), source="x") == file
+
+
+BROKEN = {
+    'metrics = ["mo"]': "metrics: there is no mo; there are mu,",
+    'metrics = ["mu"]\nestimators = ["kf"]': "estimators: there is no kf; there are cascade,",
+    'metrics = ["mu"]\npresets = ["nowhere"]': "nowhere: no such preset",
+    'metrics = ["mu"]\nruns = 0': "runs must lie between 1 and 10000, got 0",
+    'metrics = ["mu"]\ncolour = 1': "unknown field `colour`",
+    'metrics = ["mu"]\n[stop]\nmetric = "mu"\nhalf_width = 0.1': "stop.metric must be one of the metrics of a run",
+    'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 12': "points must be a power of two, got 12",
+    'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 8': "a sample needs one parameter or more",
+}
+PARAMETER = 'metrics = ["mu"]\n[[parameters]]\nkind = "linear"\n'
+BROKEN |= {
+    PARAMETER + 'path = "gains.k9"\nlow = 0\nhigh = 1\ncount = 2': "parameters[0]: path gains.k9: there is no k9",
+    PARAMETER + 'path = "world.anchor.0"\nlow = 0\nhigh = 1\ncount = 2': "0 must lie between 1 and 3",
+    PARAMETER + 'path = "gains.mode"\nlow = 0\nhigh = 1\ncount = 2': "gains.mode: names no number",
+    PARAMETER + 'path = "seed"\nlow = 0\nhigh = 1\ncount = 2': "path must not be seed",
+    PARAMETER + 'path = "time_scale"\nlow = 2\nhigh = 1\ncount = 2': "low must lie below high, got 2 and 1",
+    PARAMETER + 'path = "time_scale"\nlow = 1\nhigh = 2': "parameters[0]: count is missing; a grid needs it",
+    PARAMETER + 'path = "size"\nname = "runs"\nlow = 1\nhigh = 2\ncount = 2': "name must not be runs",
+}
+
+
+@pytest.mark.parametrize("text", BROKEN)
+def test_what_does_not_fit_in_a_file_is_refused_with_file_field_and_rule(text: str, tmp_path: Path):
+    presets = "" if "presets" in text else 'presets = ["paper-slow"]\n'
+    (tmp_path / "broken.toml").write_text(f'title = "x"\n{presets}{text}')
+    with pytest.raises(ValueError, match=r"^broken.toml: ") as refusal:
+        study.load(tmp_path / "broken.toml")
+    assert BROKEN[text] in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=3), st.integers(1, 60))
+def test_the_parts_hold_every_point_once_and_none_has_too_many(shape: list[int], points: int):
+    divided = blocks.divided(tuple(shape), points)
+    parts = [divided.indices(part) for part in range(divided.count)]
+    assert sorted(np.concatenate(parts).tolist()) == list(range(int(np.prod(shape))))
+    assert max(map(len, parts)) <= points
