@@ -10,6 +10,7 @@ from explorer.charts import cursor_values, markup, plot_file, plot_list
 from explorer.charts.chart import Chart, ChartStyle
 from explorer.charts.large_view import LargeView
 from explorer.charts.plot_tabs import PlotPanel
+from explorer.charts.plot_text import PlotTexts
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.charts.side_by_side import SideBySide
 from explorer.model.comparison import NOTHING, Comparison
@@ -87,6 +88,7 @@ class Charts:
         self._moving, self._values = client.gui.add_html(""), client.gui.add_html("")
         """The elements that change as time moves, also where no plot is in sight: the cursors at every frame, and the
         values seldom enough to be read."""
+        self._texts = PlotTexts(client)
         self._over: LargeView | SideBySide | None = None
         """The window that lies over the page."""
         self._size = size
@@ -136,6 +138,8 @@ class Charts:
         if self._picture is not None:
             self._draw_in_sight(self._picture)
             self.cursor(self._picture, self._time)
+            if self._settled:
+                self._write_texts()
 
     def _take(self, picture: Picture) -> None:
         if picture is not self._picture or not self._settled:
@@ -187,6 +191,7 @@ class Charts:
         """Draw the window over the page."""
         if self._over is not None and self._picture is not None:
             self._over.draw(self._picture, self._comparison)
+            self._write_texts()
         self._cursor_drawn.forget()
 
     def draw(self, picture: Picture, comparison: Comparison = NOTHING, *, time: float | None = None) -> None:
@@ -205,6 +210,12 @@ class Charts:
         if self._over is not None:
             self._draw_over()
         self.cursor(picture, self._time)
+        self._write_texts()
+
+    def _write_texts(self) -> None:
+        """Say in sentences what the plots in sight show."""
+        over = () if self._over is None else self._over.charts
+        self._texts.write([*(chart for chart in self.charts if chart.is_among(self._in_sight)), *over])
 
     def cursor(self, picture: Picture, time: float, *, values: bool = True) -> None:
         """Move the time cursor of all plots to a time (s), show or hide the curves whose legend entries were clicked,

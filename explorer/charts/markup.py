@@ -87,6 +87,11 @@ def variable(plot: Plot, column: int) -> str:
     return f"--{curve_id(plot, column)}"
 
 
+def text_id(name: str) -> str:
+    """The id of the element with the text of a plot, for readers of the screen."""
+    return f"rn-text-{name}"
+
+
 def axis_sizes(big: bool) -> tuple[int, int]:
     """px: width of the vertical and height of the horizontal axis."""
     return BIG_AXIS_SIZES if big else AXIS_SIZES
@@ -138,7 +143,8 @@ def header(
         f'<summary><div class="rn-title">{title}</div></summary>'
         f'<div class="rn-definition">{equation}{plot.definition.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'
-        f'<div class="rn-over" style="top:calc(100% + {top:g}px);height:{inside}px;{ends}">{reason}'
+        f'<div class="rn-over" role="img" aria-label="Plot: {plot.title}" aria-describedby="{text_id(plot.name)}" '
+        f'style="top:calc(100% + {top:g}px);height:{inside}px;{ends}">{reason}'
         f'{moving if plot.along_flight else other}<div class="rn-brush" style="{brush}"></div>'
         f'<span class="rn-at" style="left:{_left(HOVERED, "-99")};{beneath}"></span></div></div>'
     )

@@ -96,6 +96,18 @@
       annotations: shown.plots[k].empty ? [{text: shown.plots[k].empty, showarrow: false, xref: 'paper', yref: 'paper', x: .5, y: .5}] : [],
     };
   };
+  // What a plot shows, for whoever does not see it: where each curve lies, and where it ends.
+  const short = value => String(Number(value.toPrecision(3)));
+  const inWords = (plot, k) => {
+    const curves = Object.entries(shown.plots[k].y).map(([i, y]) => {
+      const name = plot.curves[i].label, known = y.filter(value => value !== null && Number.isFinite(value));
+      if (!name) return '';
+      if (!known.length) return name + ': no values.';
+      return `${name}: from ${short(Math.min(...known))} to ${short(Math.max(...known))}, at the end ${short(known[known.length - 1])}.`;
+    });
+    return [`Plot: ${plot.title}${plot.unit ? ' (' + plot.unit + ')' : ''} over ${plot.x}.`, shown.plots[k].empty || '', ...curves]
+      .filter(Boolean).join(' ');
+  };
   const OPTIONS = {responsive: true, displaylogo: false, displayModeBar: false};
 
   const boxes = data.plots.map(plot => {
@@ -118,9 +130,17 @@
     by('now').textContent = time.toFixed(2) + ' s';
     const error = shown.error[moment];
     by('offset').textContent = error === null ? 'There is no estimate here.' : 'The estimate is ' + Number(error.toPrecision(3)) + ' m off.';
+    const [place, anchor] = [at(of('truth'), moment), of('anchor')];
+    const away = Math.hypot(...place.map((c, j) => c - anchor[j]));
+    by('scene').setAttribute('aria-label', `The true path, the estimate and the anchor in three dimensions. At ${time.toFixed(2)} s the vehicle `
+      + `is at (${place.map(short).join(', ')}) m, ${short(away)} m from the anchor.` + (waits() ? '' : ' ' + by('offset').textContent));
   };
   const drawAll = () => {
-    if (!waits()) data.plots.forEach((plot, k) => Plotly.react(boxes[k], traces(plot, k), plotLayout(plot, k), OPTIONS));
+    if (!waits()) data.plots.forEach((plot, k) => {
+      Plotly.react(boxes[k], traces(plot, k), plotLayout(plot, k), OPTIONS);
+      boxes[k].setAttribute('role', 'img');
+      boxes[k].setAttribute('aria-label', inWords(plot, k));
+    });
     const verdict = shown.verdict, sign = document.createElement('b');
     sign.textContent = verdict.sign + ' ' + verdict.word;
     sign.style.color = verdict.color;

@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from explorer.lessons.lesson import Place
-from explorer.web import keys
+from explorer.web import accessibility, keys
 from explorer.web.elements import Step, place_of
 from explorer.widgets.form import Form
 
@@ -25,7 +25,9 @@ class Commands:
         """`notify` shows a title and a sentence for a few seconds."""
         self._client, self._form, self._notify = client, form, notify
         hints = {control.name: control.handle.hint for control in self._controls()}
-        keys.install(client, {label: hint for label, hint in hints.items() if hint})
+        shown = {label: hint for label, hint in hints.items() if hint}
+        keys.install(client, shown)
+        accessibility.install(client, form.hints | shown)
         for tab in TABS:
             self._go(f"{tab} tab", [("tab", tab)], "")
         for name in hints:

@@ -5,6 +5,7 @@ import html
 import math
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 from explorer.model import palette
@@ -44,12 +45,17 @@ KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] |
     "loop": ("Loop, or stop at the end", None),
 }
 STRIP = (
-    '<div class="rn-timeline"><div class="rn-strip u-over" title="Events of the run. A click seeks, a drag sets δ.">'
+    '<div class="rn-timeline"><div class="rn-strip u-over" role="group" aria-label="Events of the run" '
+    'title="Events of the run. A click seeks, a drag sets δ.">'
     '<div class="rn-window" style="left:calc(100% * var(--wfrom, 0));width:calc(100% * var(--wspan, 0))"></div>'
     '{}<div class="rn-cursor" style="left:calc(100% * var(--tcur, 0))"></div></div></div>'
 )
 """The variables are those that move the cursor and the window of the plots."""
-MARK = '<span class="rn-mark" style="left:{:.2f}%;color:{}" title="{}">{}</span>'
+MARK = (
+    '<button type="button" class="rn-mark" data-rn-event="mark-{}" style="left:{:.2f}%;color:{}" title="{}" '
+    'aria-label="{}">{}</button>'
+)
+MOST_MARKS = 12
 TIME, TICK = "t (s)", 0.01
 """Label of the slider, and s between two of its positions."""
 REDRAW = 0.2
@@ -78,6 +84,8 @@ class TimelinePanel:
             "loop": playback.toggle_loop,
         }
         """What the buttons do, by the names that they send."""
+        self._events: tuple[Event, ...] = ()
+        self.actions |= {f"mark-{k}": partial(self._go_to_event, k) for k in range(MOST_MARKS)}
         with form.gui.add_folder("Timeline"):
             self._strip = form.gui.add_html(STRIP.format(""))
             self._section = Section(form)
@@ -95,7 +103,9 @@ class TimelinePanel:
 
     def draw(self, picture: Picture) -> None:
         """Mark the events of a run above the slider."""
-        content = STRIP.format("".join(_mark(event, picture.preset.duration) for event in events(picture)))
+        self._events = events(picture)[:MOST_MARKS]
+        marks = (_mark(k, event, picture.preset.duration) for k, event in enumerate(self._events))
+        content = STRIP.format("".join(marks))
         if content != self._strip.content:
             self._strip.content = content
 
@@ -129,6 +139,11 @@ class TimelinePanel:
         self._box.value = typed_number.text(moment)
         if self._section.complaint.is_about(element_id(self._box)):
             self._section.complaint.clear()
+
+    def _go_to_event(self, k: int) -> None:
+        """Go to the moment of a mark; one that is no longer there does nothing."""
+        if k < len(self._events):
+            self._playback.seek(self._events[k].time)
 
     def _seek(self) -> None:
         with self._section.catching():
@@ -177,6 +192,6 @@ def events(picture: Picture) -> tuple[Event, ...]:
     return tuple(found)
 
 
-def _mark(event: Event, duration: float) -> str:
-    share = 100 * min(event.time / duration, 1.0)
-    return MARK.format(share, event.color, html.escape(f"{event.time:.1f} s: {event.text}"), event.sign)
+def _mark(number: int, event: Event, duration: float) -> str:
+    share, text = 100 * min(event.time / duration, 1.0), html.escape(f"{event.time:.1f} s: {event.text}")
+    return MARK.format(number, share, event.color, text, text, event.sign)

@@ -97,7 +97,7 @@ class VerdictPanel:
         cure = self._button(picture, deciding.cure)
         summary = escaped(deciding.summary)
         text = f'<span class="rn-deciding" title="{summary}">{summary}{figures.chips(picture)}</span>'
-        return f'<div class="rn-line" role="status">{head}{text}{cure}{UNFOLD}</div>'
+        return f'<div class="rn-line" role="group" aria-label="Verdict">{head}{text}{cure}{UNFOLD}</div>'
 
     def _button(self, picture: Picture, cure: Cure | None) -> str:
         """The button of a cure as HTML; empty where there is none."""

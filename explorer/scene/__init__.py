@@ -24,7 +24,7 @@ from explorer.scene.proposal import ProposedNodes
 from explorer.scene.tail import Tail
 from explorer.scene.twin import TwinGhost
 from explorer.scene.vehicle import Vehicle
-from explorer.scene.view import View
+from explorer.scene.view import Direction, Step, View
 from explorer.scene.world import BlindDirections, WorldNodes
 from rangenav.inputs import Vec3
 
@@ -66,9 +66,13 @@ class Scene:
         """Where the visitor has dragged the evil twin since the last call (m, inertial frame); None if nowhere."""
         return self._twin.take_drag()
 
-    def look_again(self) -> None:
-        """Look at the path as at first."""
-        self._view.look_again()
+    def look(self, direction: Direction) -> None:
+        """Look at path and anchor from a direction: as at first, from above, against an axis."""
+        self._view.look(direction)
+
+    def step_camera(self, step: Step) -> None:
+        """Move the camera a step around what it looks at, or towards it."""
+        self._view.step(step)
 
     def instruct(self, on: bool) -> None:
         """Whether labels say what a visitor may do; a picture in a file says what it shows alone."""

@@ -1,7 +1,8 @@
 """The runs that are compared with the run on the page, in the 3-D picture.
 
 The pinned run A has its true path where that differs, its estimated path, and a ghost. Each other estimator has its
-estimated path. Every run is a thin solid line in the colour that it has in the plots.
+estimated path, with its name where that is farthest from the true path. Every run is a thin solid line in the colour
+that it has in the plots.
 """
 
 import numpy as np
@@ -21,6 +22,8 @@ from rangenav.motion import Motion
 
 TRAIL_THICKNESS, PATH_THICKNESS = 1.5, 1.5
 """px; the true path has 3."""
+NAME_RANK = 6
+"""Of the first estimator's name among all labels."""
 MAX_PIECES = 600
 """Line segments of an estimated path."""
 
@@ -36,6 +39,7 @@ class ComparisonNodes:
             name: _line(scene, f"/{name.lower()}_trail", palette.rgb(palette.ESTIMATORS[name]), TRAIL_THICKNESS)
             for name in NAMES
         }
+        self._names = {name: _Name(scene, labels, name, rank) for rank, name in enumerate(NAMES, start=NAME_RANK)}
         self._comparison: Comparison = NOTHING
         self._bounds: SceneBounds | None = None
 
@@ -52,8 +56,10 @@ class ComparisonNodes:
             if name in runs:
                 positions = near_truth(_positions(picture, runs[name]), picture.motion, bounds)
                 _draw_path(line, positions)
+                self._names[name].place(positions, picture.motion, bounds)
             elif line.visible:
                 line.visible = False
+                self._names[name].hide()
 
     def move(self, time: float) -> None:
         """Put the ghost of A where its estimate is at a time (s); hide it where that is outside the scene."""
@@ -74,6 +80,27 @@ class ComparisonNodes:
             self._path.points = _inside(path_segments(a.motion, bounds), bounds)
         positions = near_truth(a.position_estimate, a.motion, bounds)
         _draw_path(self._trail, positions)
+
+
+class _Name:
+    """The name of an estimator at its path: colour alone would not say whose path it is."""
+
+    def __init__(self, scene: SceneApi, labels: Labels, name: Name, rank: int) -> None:
+        self._node = scene.add_frame(f"/{name.lower()}_name", show_axes=False)
+        self._point: np.ndarray | None = None
+        labels.add(f"/{name.lower()}_name/label", lambda: self._point, rank=rank, text=name)
+
+    def place(self, positions: Float[Array, "n 3"], motion: Motion, bounds: SceneBounds) -> None:
+        """Put it where an estimated path inside the scene is farthest from the true one."""
+        inside = bounds.contains(positions)
+        off = np.where(inside, np.linalg.norm(positions - motion.position, axis=1), -1.0)
+        self._point = positions[int(np.argmax(off))] if inside.any() else None
+        if self._point is not None:
+            self._node.position = self._point
+
+    def hide(self) -> None:
+        """Leave it out."""
+        self._point = None
 
 
 def _draw_path(line: LineSegmentsHandle, positions: Float[Array, "n 3"]) -> None:

@@ -11,7 +11,7 @@ left it.
 import math
 import time as clock
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -46,6 +46,16 @@ MIN_RESHAPE = 0.05
 """Share by which the narrower side of the picture must change, as when docks open, to be framed anew."""
 
 
+TURN, CLOSER, STEEPEST = math.radians(15.0), 1.25, math.radians(85.0)
+"""rad and factor of one step around the scene and towards it; rad above or below the ground that a step reaches."""
+PARALLEL = 1e-6
+"""Share of a vector that is level, below which the vector is along up."""
+Direction = Literal["first", "above", "x", "y"]
+"""From where the whole scene is seen: as at first, from above, against x, against y."""
+Step = Literal["left", "right", "up", "down", "closer", "farther"]
+"""How the camera moves about the point that it looks at."""
+
+
 class CameraPose(NamedTuple):
     """Where the camera was sent."""
 
@@ -68,6 +78,8 @@ class View:
         self._narrowest = 1.0
         """Width by height of the picture that was framed, at most 1."""
         self._dragging = self._was_in_view = False
+        self._chosen = False
+        """Whether somebody has chosen where the camera is: it then stays there when docks open."""
         camera.on_update(self._camera_reported)
 
     def frame(self, bounds: SceneBounds, path: Float[Array, "n 3"], *, dragging: bool = False) -> None:
@@ -89,14 +101,22 @@ class View:
         self._framed = bounds
         self._look(bounds)
 
-    def look_again(self) -> None:
-        """Look at path and anchor as at first, wherever the visitor has moved the camera."""
+    def look(self, direction: Direction) -> None:
+        """Look at path and anchor from a direction, wherever the visitor has moved the camera."""
         if self._framed is not None:
-            self._look(self._framed)
+            self._look(self._framed, direction)
+
+    def step(self, step: Step) -> None:
+        """Move around the point that the camera looks at, or towards it."""
+        if self._framed is None:
+            return
+        position, target = np.asarray(self._camera.position), np.asarray(self._camera.look_at)
+        self._chosen = True
+        self._send(CameraPose(target + stepped(position - target, self._framed.up, step), target), MAX_RETRIES)
 
     def look_from(self, position: Float[Array, "3"], target: Float[Array, "3"], bounds: SceneBounds) -> None:
         """Look from a place at a point (m), as somebody else does; the path is not framed anew for that."""
-        self._framed = bounds
+        self._framed, self._chosen = bounds, True
         self._send(CameraPose(position, target), MAX_RETRIES)
 
     def follow_up(self) -> bool:
@@ -113,7 +133,7 @@ class View:
         if not self._at(self._sent):
             if retries > 0:
                 self._send(self._sent, retries - 1)
-        elif self._reshaped():
+        elif self._reshaped() and not self._chosen:
             self._look(self._framed)
         return True
 
@@ -122,12 +142,13 @@ class View:
         if self._retries > 0 or self._reshaped():
             self._wake()
 
-    def _look(self, bounds: SceneBounds) -> None:
+    def _look(self, bounds: SceneBounds, direction: Direction = "first") -> None:
+        self._chosen = direction != "first"
         self._narrowest = width_by_height(self._camera)
         half = math.atan(math.tan(self._camera.fov / 2) * self._narrowest)
         distance = MARGIN * bounds.view_radius / math.sin(half)
         self._camera.far = max(FAR, FAR_DISTANCES * distance)
-        position = bounds.view_centre + distance * view_direction(bounds.up)
+        position = bounds.view_centre + distance * view_direction(bounds.up, direction)
         self._send(CameraPose(position, bounds.view_centre), MAX_RETRIES)
 
     def _send(self, pose: CameraPose, retries: int) -> None:
@@ -144,7 +165,7 @@ class View:
 
     def _runs_out(self, path: Float[Array, "n 3"]) -> bool:
         """Whether a path leaves the picture of a camera that the visitor has not moved."""
-        return self._sent is not None and self._at(self._sent) and not self._in_view(path, WHOLE)
+        return self._sent is not None and not self._chosen and self._at(self._sent) and not self._in_view(path, WHOLE)
 
     def _in_view(self, path: Float[Array, "n 3"], least: float = MIN_VISIBLE_SHARE) -> bool:
         camera = self._camera
@@ -179,8 +200,33 @@ def same_framing(before: SceneBounds, bounds: SceneBounds) -> bool:
     return 1 / MAX_ZOOM < ratio < MAX_ZOOM and shift < MAX_SHIFT and np.allclose(bounds.up, before.up)
 
 
-def view_direction(up: Float[Array, "3"]) -> Float[Array, "3"]:
+def view_direction(up: Float[Array, "3"], direction: Direction = "first") -> Float[Array, "3"]:
     """The unit vector from the scene to the camera."""
-    level = SIDE - SIDE @ up * up
-    raised = level / np.linalg.norm(level) + HEIGHT * up
+    if direction in ("x", "y"):
+        return _level(np.array([float(direction == "x"), float(direction == "y"), 0.0]), up)
+    if direction == "above":
+        return math.cos(STEEPEST) * _level(SIDE, up) + math.sin(STEEPEST) * up
+    raised = _level(SIDE, up) + HEIGHT * up
     return raised / np.linalg.norm(raised)
+
+
+def stepped(away: Float[Array, "3"], up: Float[Array, "3"], step: Step) -> Float[Array, "3"]:
+    """Where the camera is after a step, as its vector (m) from the point that it looks at."""
+    if step in ("closer", "farther"):
+        return away / CLOSER if step == "closer" else away * CLOSER
+    distance = float(np.linalg.norm(away))
+    sine = float(away @ up) / distance if distance else 0.0
+    raised = math.asin(min(max(sine, -1.0), 1.0)) + {"up": TURN, "down": -TURN}.get(step, 0.0)
+    raised = min(max(raised, -STEEPEST), STEEPEST)
+    turned = SO3.exp({"left": -TURN, "right": TURN}.get(step, 0.0) * up).as_matrix() @ _level(away, up)
+    return distance * (math.cos(raised) * turned + math.sin(raised) * up)
+
+
+def _level(vector: Float[Array, "3"], up: Float[Array, "3"]) -> Float[Array, "3"]:
+    """The unit vector along the part of a vector that is level; along another level direction where it has none."""
+    for one in (vector, SIDE, np.roll(SIDE, 1)):
+        level = one - one @ up * up
+        length = float(np.linalg.norm(level))
+        if length > PARALLEL * float(np.linalg.norm(one)):
+            return level / length
+    raise AssertionError("two directions that differ are not both along up")

@@ -26,6 +26,7 @@ from explorer.model.playback import Playback
 from explorer.model.settings import Settings
 from explorer.panels import saved_page
 from explorer.panels.address import Address
+from explorer.panels.camera import CameraPanel
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.session_actions import SessionActions
@@ -197,7 +198,7 @@ class Session:
         scene = Scene(client, self._wake.set)
         exporting = add_export_tab(client, self.dock, self.charts, scene, self._playback, self._outgoing, actions.go_to)
         self.form.command("Show all curves", self.charts.show_all_curves)
-        self.form.command("First view of the scene (camera)", scene.look_again, step=False)
+        camera_panel = CameraPanel(self.form, scene)
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
@@ -217,6 +218,7 @@ class Session:
         self._in_class = part_in_class(visit, self.shared)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
+        self._actions |= camera_panel.actions
         self._actions |= self._in_class.actions
         self._address = Address(
             client,

@@ -24,6 +24,7 @@ from explorer.panels.dock import Dock
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles
+from explorer.session.picture_text import PictureText
 from explorer.web.frames import Frames
 
 HEAD_START = 0.003
@@ -53,13 +54,14 @@ class Display:
         self._scene, self._handles, self._timeline, self._playback = scene, handles, timeline, playback
         self.picture: Picture | None = None
         """The picture on the page; None before the first one."""
-        self._comparison = NOTHING
+        self._comparison, self._text = NOTHING, PictureText(client.gui)
         self._details_due: float | None = None
         """When to draw the details of the picture (s, monotonic); None if they are drawn."""
 
     def wait(self, now: float) -> float | None:
-        """How long (s) until the details are due; None if they are drawn."""
-        return None if self._details_due is None else max(0.0, self._details_due - now)
+        """How long (s) until the details or the text of the picture are due; None if both are there."""
+        details = None if self._details_due is None else max(0.0, self._details_due - now)
+        return min((wait for wait in (details, self._text.wait(now)) if wait is not None), default=None)
 
     def show(self, picture: Picture) -> None:
         """Draw another picture: all of it, or the details alone if nothing but the twin was turned."""
@@ -104,7 +106,9 @@ class Display:
             self._handles.draw(self.picture.preset.world.anchor, self._dock.points, self._scene.bounds)
 
     def draw_details_if_due(self, now: float, wake: threading.Event) -> None:
-        """Draw the details if nothing has changed for a moment and no change is waiting (`wake` is not set)."""
+        """Draw the details, and write the text of the picture, if nothing has changed for a moment and no change is
+        waiting (`wake` is not set)."""
+        self._text.write_if_due(now)
         if self._details_due is None or self.picture is None or now < self._details_due or wake.is_set():
             return
         self._details_due = None
@@ -117,6 +121,7 @@ class Display:
         self._frames.finish()
         with self._client.atomic():
             self._move(self.picture, now, values=True)
+        self._text.follow(self.picture, None if self._playback.playing else self._playback.time, now)
 
     def play(self, now: float, due: float) -> None:
         """Draw the frame of a playing run that was due at a time (s, monotonic), unless the one before it waits."""

@@ -111,7 +111,8 @@
     if (!place) return;
     // a folder that is being opened still grows
     [0, 350, 800].forEach(later => setTimeout(() => place.scrollIntoView({block: 'center'}), later));
-    place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: 0.6}, {background: '#56B4E900'}], 1800);
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: still ? 1 : 0.6}, {background: still ? '#56B4E966' : '#56B4E900'}], 1800);
     const control = place.matches('button') ? place : !place.dataset.plot && place.querySelector('[role=slider], input, textarea, button');
     if (control) control.focus({preventScroll: true});
   };

@@ -77,6 +77,8 @@ class Form:
         self.sections: list[FormSection] = []
         self.progress: list[Progress] = []
         """The progress of the work of each panel."""
+        self.hints: dict[str, str] = {}
+        """The hints of all buttons, by their labels."""
         self.away = False
         """Whether the action that runs comes from a button that is not in its panel, or from the palette."""
         self._actions: deque[tuple[Action, bool, bool]] = deque(maxlen=MAX_ACTIONS)
@@ -204,6 +206,7 @@ class Form:
         """A button whose action the session's loop runs; a `quiet` one is grey, for an action that is rarely wanted.
 
         `away`: whether another panel acts."""
+        self.hints[label] = hint
         button = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
         button.on_click(lambda _: self.do(action, away=away))
         return button
@@ -228,6 +231,7 @@ class Form:
 
     def buttons(self, label: str, actions: dict[str, Action], *, hint: str) -> viser.GuiButtonGroupHandle:
         """A row of small buttons, each with an action."""
+        self.hints[label] = hint
         row = self.gui.add_button_group(label, tuple(actions), hint=hint)
         row.on_click(lambda event: self.do(actions.get(event.target.value, _nothing)))
         return row

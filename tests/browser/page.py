@@ -320,8 +320,9 @@ class Visitor:
         time.sleep(INPUT_PAUSE)
 
     def press(self, label: str) -> None:
-        """Press a button."""
-        self.page.get_by_role("button", name=label, exact=False).first.click()
+        """Press a button; the heading of a folder is none here."""
+        buttons = self.page.get_by_role("button", name=label, exact=False)
+        buttons.and_(self.page.locator(":not(.mantine-Paper-root)")).first.click()
         time.sleep(INPUT_PAUSE)
 
     def upload(self, label: str, name: str, content: bytes) -> None:

@@ -10,6 +10,7 @@ from explorer.lessons import course, teaching
 from explorer.model import share
 from explorer.model.settings import Settings
 from rangenav import preset
+from tests.browser.axe import broken
 from tests.browser.page import COARSE, Server, Visitor
 
 LESSON = course().lessons[0]
@@ -96,5 +97,11 @@ def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: 
     page.locator("#play").click()
     page.locator("#sliders input").fill("0")
     page.wait_for_function("before => document.getElementById('offset').textContent !== before", arg=offset)
+    assert re.search(
+        r"vehicle is at \(.*\) m, [\d.]+ m from the anchor",
+        page.locator("#scene[role=img]").get_attribute("aria-label"),
+    )
+    assert "at the end" in (page.locator("#plots [role=img]").first.get_attribute("aria-label") or "")
+    assert broken(page) == set()
     assert complaints == []
     context.close()

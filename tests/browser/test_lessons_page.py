@@ -117,7 +117,7 @@ def predict(student: Visitor, lesson: Lesson) -> None:
     else:
         student.type_text("your prediction", "1.5")
         student.press("Commit")
-        student.page.locator("h4", has_text="Your prediction").wait_for(state="detached")
+        student.page.locator("h2", has_text="Your prediction").wait_for(state="detached")
 
 
 def do(student: Visitor, lesson: Lesson, step: Step) -> None:
@@ -156,7 +156,7 @@ def do(student: Visitor, lesson: Lesson, step: Step) -> None:
 def test_a_lesson_is_walked_from_its_question_to_passed(student: Visitor, lesson: Lesson):
     page, asked = student.page, lesson.header.prediction
     begin(student, lesson)
-    while "Your prediction" not in page.locator(".rn-lesson h4").inner_text():
+    while "Your prediction" not in page.locator(".rn-lesson h2").inner_text():
         press(page, "Next ›")
     predict(student, lesson)
     while not page.get_by_text("Stuck?").is_visible():

@@ -14,6 +14,7 @@ from explorer.lessons.lesson import Answer, Goal, Lesson
 from explorer.lessons.screens import Screen
 from explorer.lessons.state import Outcome
 from explorer.model.learning import PREDICTION, Learning, answers_of
+from explorer.web.accessibility import spoken
 from explorer.widgets.html import table
 
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="{}" {}>{}</button>'
@@ -94,7 +95,9 @@ def screen(lesson: Lesson, shown: Shown) -> str:
     back = button("back", "‹ Back", disabled=k == 0)
     foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {count}</span>{onward}</div>'
     before = "" if PREDICTION in answers_of(shown.learning, lesson.name) else " rn-before"
-    return f'<div class="rn-lesson{before}">{head}{bar}<h4>{html.escape(page.heading)}</h4>{body}{foot}</div>'
+    said = spoken("lesson", f"Lesson {lesson.number}, screen {k + 1} of {count}: {page.heading}.")
+    heading = f"<h2>{html.escape(page.heading)}</h2>"
+    return f'<div class="rn-lesson{before}" {said}>{head}{bar}{heading}{body}{foot}</div>'
 
 
 def _row(lesson: Lesson, learning: Learning) -> str:

@@ -136,7 +136,7 @@ def test_camera_frames_the_first_path_and_a_much_larger_one_but_not_while_it_is_
     scene.draw(picture("soft"))  # about as large, and in the same place
     assert np.array_equal(page.camera.position, first)
     page.camera.position = np.array([90.0, 0.0, 0.0])  # by a visitor
-    scene.look_again()
+    scene.look("first")
     assert np.allclose(page.camera.position, first)
     page.camera.update_timestamp = clock.time()
     scene.draw(picture("line"))
@@ -173,6 +173,39 @@ def test_after_a_drag_a_view_of_a_detail_is_left_to_the_visitor(page: Page) -> N
     assert page.camera.position == (9.0, 9.0, 9.0)
     scene.draw(picture("circle"))
     assert np.linalg.norm(np.subtract(page.camera.position, 9.0)) > 1
+
+
+def test_the_camera_is_moved_by_steps_and_stays_there_when_docks_open(page: Page) -> None:
+    scene = Scene(page.client, lambda: None)
+    scene.draw(picture("circle"))
+    bounds = scene_bounds(picture("circle"))
+
+    def away() -> np.ndarray:
+        return np.asarray(page.camera.position) - np.asarray(page.camera.look_at)
+
+    first = away()
+    scene.step_camera("closer")
+    assert away() == pytest.approx(first / view.CLOSER)
+    scene.step_camera("farther")
+    scene.step_camera("left")
+    assert np.linalg.norm(away()) == pytest.approx(np.linalg.norm(first))
+    assert away() @ bounds.up == pytest.approx(first @ bounds.up)
+    assert np.degrees(
+        np.arccos(
+            np.dot(*(np.cross(bounds.up, one) for one in (away(), first)))
+            / np.prod([np.linalg.norm(np.cross(bounds.up, one)) for one in (away(), first)])
+        )
+    ) == pytest.approx(15.0)
+    for _ in range(20):
+        scene.step_camera("up")
+    assert away() @ bounds.up < np.linalg.norm(away())  # never over the top
+    scene.look("above")
+    assert away() @ bounds.up > 0.99 * np.linalg.norm(away())
+    page.camera.image_width //= 2  # docks have opened
+    seen = np.array(page.camera.position)
+    page.camera.report(page.camera.position)
+    scene.move(picture("circle"), 0.0)
+    assert np.array_equal(page.camera.position, seen)
 
 
 @given(
