@@ -103,8 +103,7 @@ def write_handout(arguments: Arguments, path: Path) -> None:
 
 def serve(arguments: Arguments) -> None:
     """Serve until interrupted. Raises ValueError with one sentence if host, port or preset cannot be used."""
-    shipped = preset.shipped()
-    first = _first_preset(shipped, arguments.preset)
+    requested = preset.load(arguments.preset)
     _refuse_unknown_lesson(arguments.lesson)
     # here: a wrong preset is reported at once
     from explorer.web.access.entrance import Entrance
@@ -121,15 +120,19 @@ def serve(arguments: Arguments) -> None:
             1 <= arguments.places <= MAX_PLACES, f"--places {arguments.places}: must lie between 1 and {MAX_PLACES}"
         )
         entrance = Entrance(codes=codes_with(arguments.token_file), places=arguments.places, secure=addresses.secure)
-    metrics = Metrics()
-    server = open_server(arguments.host, arguments.port, url=arguments.url, entrance=entrance, metrics=metrics)
+    metrics, visited = Metrics(), threading.Event()
+    server = open_server(
+        arguments.host, arguments.port, url=arguments.url, entrance=entrance, metrics=metrics, visited=visited
+    )
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
     from explorer.storage.work_files import WorkFiles
     from explorer.web.identity import Slots, connected
 
+    shipped = preset.shipped()  # the page answers by now
+    first = _first_preset(shipped, requested, arguments.preset)
     stopped = _stopping_signals()
-    compilation, slots = Compilation(), Slots(lambda tab: connected(server, tab))
+    compilation, slots = Compilation(visited), Slots(lambda tab: connected(server, tab))
     page = addresses.link(server.get_port())
     with tempfile.TemporaryDirectory(prefix="rangenav-class-", ignore_cleanup_errors=True) as class_folder:
         sessions = SessionServer(
@@ -189,9 +192,8 @@ def _refuse_unknown_lesson(number: int | None) -> None:
     require(number in numbers, f"--lesson {number}: no such lesson; there are {', '.join(map(str, numbers))}")
 
 
-def _first_preset(shipped: dict[str, preset.Preset], name_or_path: str) -> str:
-    """The name of the preset that a new visitor sees; a file that is not shipped is added to `shipped`."""
-    requested = preset.load(name_or_path)
+def _first_preset(shipped: dict[str, preset.Preset], requested: preset.Preset, name_or_path: str) -> str:
+    """The name of the preset that a new visitor sees; one of a file that is not shipped is added to `shipped`."""
     if name_or_path in shipped:
         return name_or_path
     name = preset.find(name_or_path).stem

@@ -17,6 +17,7 @@ from explorer.web.access.entrance import Entrance
 from explorer.web.access.visitors import Role, Visitor
 from explorer.web.identity import Slots
 from explorer.web.metrics import Metrics
+from rangenav.kernels import cache
 from rangenav.preset import Preset
 
 ESTIMATORS_DELAY = 3.0
@@ -27,8 +28,10 @@ log = logging.getLogger(__name__)
 class Compilation:
     """The compilation of the kernels in a thread of its own; sessions read its progress."""
 
-    def __init__(self) -> None:
+    def __init__(self, visited: threading.Event | None = None) -> None:
+        """visited: set when somebody asks for the page; compiled kernels are loaded then, and take 150 MB."""
         self.fraction, self.stage = 0.0, "waiting"
+        self.visited = visited or threading.Event()
 
     @property
     def done(self) -> bool:
@@ -40,13 +43,17 @@ class Compilation:
         threading.Thread(target=self._run, name="compilation", daemon=True).start()
 
     def _run(self) -> None:
+        if cache.complete():
+            self.visited.wait()  # the browser takes longer to load the page than this the kernels
         from explorer.model import compute, details  # here, so that the page answers before these are imported
 
         try:
             compute.compile_kernels(self._progress)
+            cache.note_complete()
         except Exception:
             log.exception("the kernels could not be compiled at the start; each will be compiled at its first use")
         self.fraction = 1.0
+        self.visited.wait()
         details.import_control()
         time.sleep(ESTIMATORS_DELAY)
         try:

@@ -9,9 +9,9 @@ from the noise (paper, eq. 8); only noise-matched gains are meant to be inside t
 """
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
-from scipy.special import gammaincinv
 
 from rangenav.results import result
 
@@ -59,7 +59,7 @@ class Consistency:
 
 def band(freedom: Int[Array, "k"], *, share: float = SHARE) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
     """Bounds between which χ²(freedom) lies with probability `share`, as much outside on either side; 0, ∞ for none."""
-    low, high = (2 * gammaincinv(freedom / 2, point) for point in ((1 - share) / 2, (1 + share) / 2))
+    low, high = (2 * scipy.special.gammaincinv(freedom / 2, point) for point in ((1 - share) / 2, (1 + share) / 2))
     return np.where(freedom > 0, low, 0.0), np.where(freedom > 0, high, np.inf)
 
 

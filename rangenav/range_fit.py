@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 from numpy import ndarray as Array
-from scipy.special import gammaincinv
 
 from rangenav.acquisition import COLLECTING, CONSTANT, LOST, MATCHED
 from rangenav.cascade import Estimate
@@ -162,5 +162,5 @@ def _by_size(normalised: Float[Array, "r"]) -> RangeFit:
     kept = within if len(within) >= (1 - MOST_OUTLIERS) * len(size) else size
     largest, n = max(float(kept.max()), TINY), len(kept)
     factor = largest * float(np.sqrt(np.mean((kept / largest) ** 2)))
-    sure = factor > np.sqrt(2 * gammaincinv(n / 2, 1 - CHANCE) / n)
+    sure = factor > np.sqrt(2 * scipy.special.gammaincinv(n / 2, 1 - CHANCE) / n)
     return RangeFit(word="overconfident" if sure else "consistent", factor=factor)

@@ -48,6 +48,7 @@ class SessionServer:
     def _join(self, client: viser.ClientHandle) -> None:
         if self._stopping:
             return
+        self.shared.compilation.visited.set()
         visitor = self._visitor(client)
         if visitor is None and self.shared.entrance is not None:  # left already, or was sent out
             return

@@ -12,6 +12,7 @@ import errno
 import io
 import logging
 import socket
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -47,9 +48,16 @@ log = logging.getLogger(__name__)
 
 
 def open_server(
-    host: str, port: int, *, url: str = "", entrance: Entrance | None = None, metrics: Metrics | None = None
+    host: str,
+    port: int,
+    *,
+    url: str = "",
+    entrance: Entrance | None = None,
+    metrics: Metrics | None = None,
+    visited: threading.Event | None = None,
 ) -> viser.ViserServer:
-    """A server at an address of this machine; port 0 takes any free port. `url`: the address by a proxy.
+    """A server at an address of this machine; port 0 takes any free port. `url`: the address by a proxy. `visited` is
+    set when the page is asked for.
 
     Raises ValueError with one sentence: where other machines can reach the page, `entrance` must decide who comes in.
     """
@@ -61,7 +69,7 @@ def open_server(
     _refuse_busy(addresses.bound, port)
     array_types.build_once()
     with (
-        _guarded_serve(addresses, entrance, metrics or Metrics()),
+        _guarded_serve(addresses, entrance, metrics or Metrics(), visited or threading.Event()),
         contextlib.redirect_stdout(io.StringIO()),
     ):  # viser prints a table; the program prints one line instead
         server = viser.ViserServer(host=addresses.bound, port=port, verbose=False)
@@ -95,7 +103,9 @@ def close_server(server: viser.ViserServer) -> None:
 
 
 @contextlib.contextmanager
-def _guarded_serve(addresses: Addresses, entrance: Entrance | None, metrics: Metrics) -> Iterator[None]:
+def _guarded_serve(
+    addresses: Addresses, entrance: Entrance | None, metrics: Metrics, visited: threading.Event
+) -> Iterator[None]:
     """Within this context, viser's call of `serve` goes through the checks of this module."""
     serve = websockets.asyncio.server.serve
 
@@ -108,7 +118,7 @@ def _guarded_serve(addresses: Addresses, entrance: Entrance | None, metrics: Met
             "close_timeout": CLOSE_TIMEOUT,
         }
         inner = handler if entrance is None else _counted(handler, entrance)
-        checked = _checked(process_request, addresses, entrance, metrics)
+        checked = _checked(process_request, addresses, entrance, metrics, visited)
         return serve(inner, host, port, process_request=checked, **options)
 
     websockets.asyncio.server.serve = guarded  # type: ignore[assignment]
@@ -119,7 +129,11 @@ def _guarded_serve(addresses: Addresses, entrance: Entrance | None, metrics: Met
 
 
 def _checked(
-    process_request: Callable, addresses: Addresses, entrance: Entrance | None, metrics: Metrics
+    process_request: Callable,
+    addresses: Addresses,
+    entrance: Entrance | None,
+    metrics: Metrics,
+    visited: threading.Event,
 ) -> Callable[[ServerConnection, Request], Response | None]:
     """viser's HTTP answers, with refusals before them and with security headers."""
     logging.getLogger("websockets.server").addFilter(
@@ -140,6 +154,8 @@ def _checked(
             told = Answer(200, metrics.text(), content_type=CONTENT_TYPE)
         if told is not None:
             return _response(connection, told)
+        if request.path.partition("?")[0] == "/":
+            visited.set()
         try:
             return process_request(connection, request)
         except OSError:  # a name that no file can have

@@ -7,10 +7,10 @@ import math
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 from jaxtyping import Bool, Float, Int, Shaped
 from msgspec.structs import replace
 from numpy import ndarray as Array
-from scipy.spatial.transform import Rotation
 
 from rangenav import cascade, consistency, model, record
 from rangenav.cascade import ObserverConfig
@@ -143,7 +143,9 @@ def starts(
 ) -> Ensemble:
     """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), ten on each record of noise. Raises as `seeds` does."""
     truth = _truth(preset, count)
-    rotations = Rotation.from_quat(rng.standard_normal((count, 4))).as_matrix()  # normal in R⁴: no preferred direction
+    rotations = scipy.spatial.transform.Rotation.from_quat(
+        rng.standard_normal((count, 4))
+    ).as_matrix()  # normal in R⁴: no preferred direction
     preset = replace(preset, guess=Guess())
 
     def run(k: int) -> dict[str, Array]:

@@ -5,9 +5,9 @@ on what the body feels and from the right: R' = F R and R' = R F. Quaternions ar
 """
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 from numpy import ndarray as Array
-from scipy.spatial.transform import Rotation
 
 Z_UP_Z_DOWN = np.diag([1.0, -1.0, -1.0])
 """A change of the inertial frame: x stays, y and z are reversed."""
@@ -38,14 +38,14 @@ def to_rotation(quaternion: Float[Array, "*n 4"]) -> Float[Array, "*n 3 3"]:
     matrices = np.full((len(flat), 3, 3), np.nan)
     known = np.isfinite(flat).all(axis=-1)
     if known.any():
-        matrices[known] = Rotation.from_quat(flat[known]).as_matrix()
+        matrices[known] = scipy.spatial.transform.Rotation.from_quat(flat[known]).as_matrix()
     return matrices.reshape(*quaternion.shape[:-1], 3, 3)
 
 
 def from_rotation(rotation: Float[Array, "*n 3 3"]) -> Float[Array, "*n 4"]:
     """Unit quaternions (wxyz) of rotation matrices, w ≥ 0."""
     matrices = np.array(rotation.reshape(-1, 3, 3))  # scipy before 1.16 refuses what is read-only, as every result is
-    flat = Rotation.from_matrix(matrices).as_quat(canonical=True)
+    flat = scipy.spatial.transform.Rotation.from_matrix(matrices).as_quat(canonical=True)
     return np.roll(flat, 1, axis=-1).reshape(*rotation.shape[:-2], 4)
 
 

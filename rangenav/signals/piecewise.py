@@ -8,9 +8,9 @@ import math
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 from numpy import ndarray as Array
-from scipy.special import comb
 
 from rangenav.results import result
 
@@ -192,7 +192,7 @@ def bernstein(table: Float[Array, "d m 3"], length: Float[Array, "m"]) -> Float[
 @lru_cache
 def _bernstein_weights(degree: int) -> Float[Array, "d d"]:
     i, j = np.meshgrid(np.arange(degree + 1), np.arange(degree + 1), indexing="ij")
-    return np.where(j <= i, comb(i, j) / comb(degree, j), 0.0)
+    return np.where(j <= i, scipy.special.comb(i, j) / scipy.special.comb(degree, j), 0.0)
 
 
 def _horner(table: Array, local: Array) -> Array:

@@ -15,10 +15,9 @@ from typing import ClassVar, Literal, TypeVar
 
 import msgspec
 import numpy as np
+import scipy
 from jaxtyping import Float
 from numpy import ndarray as Array
-from scipy.interpolate import BSpline, make_interp_spline
-from scipy.linalg import solve_banded
 
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.results import result
@@ -229,14 +228,14 @@ def _fit(times: bytes, values: bytes, degree: int, ends: Literal["rest", "free",
         if ends == "closed":
             spline = _closed(s, value, degree)
         else:
-            spline = make_interp_spline(s, value, k=degree, bc_type=(zero, zero))
+            spline = scipy.interpolate.make_interp_spline(s, value, k=degree, bc_type=(zero, zero))
     except (ValueError, np.linalg.LinAlgError):
         raise ValueError(UNEVEN) from None
     coefficients = np.stack([spline(s[:-1], nu=j) / (math.factorial(j) * scale**j) for j in range(degree + 1)])
     return _Fit(coefficients=coefficients, miss=float(np.abs(spline(s) - value).max()))
 
 
-def _closed(s: Float[Array, "n"], value: Float[Array, "n 3"], degree: int) -> BSpline:
+def _closed(s: Float[Array, "n"], value: Float[Array, "n 3"], degree: int) -> "scipy.interpolate.BSpline":
     """The periodic spline whose last point is its first, by one banded solve.
 
     Its matrix has a band and two corners; with the unknowns in the order first, last, second, last but one … the
@@ -248,8 +247,8 @@ def _closed(s: Float[Array, "n"], value: Float[Array, "n 3"], degree: int) -> BS
     right = np.empty((count, 3))
     right[folded] = value[:-1]
     width = len(band) // 2
-    solution = solve_banded((width, width), band, right)[folded]
-    return BSpline(knots, solution[(np.arange(count + degree) - half) % count], degree)
+    solution = scipy.linalg.solve_banded((width, width), band, right)[folded]
+    return scipy.interpolate.BSpline(knots, solution[(np.arange(count + degree) - half) % count], degree)
 
 
 @lru_cache(maxsize=4)
@@ -259,7 +258,7 @@ def _closed_band(times: bytes, degree: int) -> tuple[Array, Array, Array]:
     count, half = len(s) - 1, (degree - 1) // 2
     around = np.arange(-degree, count + degree + 1)
     knots = s[around % count] + (s[-1] - s[0]) * (around // count)
-    matrix = BSpline.design_matrix(s[:-1], knots, degree)
+    matrix = scipy.interpolate.BSpline.design_matrix(s[:-1], knots, degree)
     row = np.repeat(np.arange(count), degree + 1)
     column = (matrix.indices - half) % count  # the splines that reach a point are those about its own number
     k = np.arange(count)

@@ -280,7 +280,7 @@ class Visitor:
         """The box for a number with this label, or beside the slider with this label."""
         row = self.beside(label)
         row.wait_for(state="attached")
-        slider = row.get_by_role("slider").count()  # its own box is not shown; ours comes a moment later
+        slider = row.locator("[role=slider]").count()  # its own box is not shown; ours comes a moment later
         return (self.beside(f"{label}: number") if slider else row).locator("input:not([type=hidden])")
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:

@@ -5,14 +5,13 @@ numba keeps what it has compiled in a folder, and locks nothing: workers that be
 
 from filelock import FileLock
 
-from rangenav.kernels import precompile
-from rangenav.kernels.jit import FOLDER
+from rangenav.kernels import cache, precompile
 
 
 def make() -> None:
     """Compile the kernels, or read them once another process has compiled them."""
-    FOLDER.parent.mkdir(parents=True, exist_ok=True)
-    with FileLock(FOLDER.with_suffix(".lock")):
+    cache.folder().parent.mkdir(parents=True, exist_ok=True)
+    with FileLock(cache.folder().with_suffix(".lock")):
         precompile.compile_all(_say_nothing)
         precompile.compile_estimators(_say_nothing)
 
