@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from explorer.model.classroom import Classroom
-from explorer.model.pace import Pace
 from explorer.model.turns import Places, Share
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
 from explorer.storage.work_files import WorkFiles
 from explorer.web.access.entrance import Entrance
 from explorer.web.access.visitors import Role, Visitor
+from explorer.web.clock import Clock
 from explorer.web.identity import Slots
 from explorer.web.metrics import Metrics
 from rangenav.kernels import cache
@@ -81,8 +81,8 @@ class Shared:
     classroom: Classroom = field(default_factory=Classroom)
     """What the teacher shows, and where the students are."""
     metrics: Metrics = field(default_factory=Metrics)
-    pace: Pace = field(default_factory=Pace)
-    """How often the playing pages are drawn."""
+    clock: Clock = field(default_factory=Clock)
+    """What draws the frames of the pages that play."""
     address: str = ""
     """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation

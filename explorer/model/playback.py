@@ -58,14 +58,6 @@ class Playback:
         """Take over the duration (s) of another run."""
         self.duration, self.time = duration, min(self.time, duration)
 
-    def due(self, period: float) -> float:
-        """When (s, monotonic) the frame is due that comes a period (s) after the last."""
-        return self._last + period
-
-    def wait(self, now: float, period: float) -> float | None:
-        """How long (s) until that frame is due; None while paused."""
-        return max(0.0, self.due(period) - now) if self.playing else None
-
     def toggle_loop(self) -> None:
         """Switch between looping and stopping at the end."""
         self.loop = not self.loop

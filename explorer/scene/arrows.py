@@ -3,6 +3,7 @@
 The geometry is one unit arrow along x. Only the node is rotated, so that pointing it elsewhere costs one small message.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -62,8 +63,8 @@ class Arrow:
 
     def point(self, direction: Float[Array, "3"]) -> None:
         """Show it along a vector; hide it where the vector is zero or not finite."""
-        norm = float(np.linalg.norm(direction))
-        visible = self.enabled and np.isfinite(norm) and norm > 0
+        norm = math.hypot(*direction.tolist())
+        visible = self.enabled and math.isfinite(norm) and norm > 0
         if visible:
             turn(self._node, rotation_from_x(direction))
             self._direction = direction / norm

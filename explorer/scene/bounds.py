@@ -60,6 +60,10 @@ class SceneBounds:
         with np.errstate(over="ignore", invalid="ignore"):
             return np.linalg.norm(points - self.centre, axis=-1) < SCENE_RADII * self.radius
 
+    def holds(self, point: Float[Array, "3"]) -> bool:
+        """Whether one point lies inside the scene; NaN does not."""
+        return math.dist(point.tolist(), self.centre.tolist()) < SCENE_RADII * self.radius
+
 
 def scene_bounds(picture: Picture) -> SceneBounds:
     """The bounds of a picture."""
@@ -159,11 +163,13 @@ def _cut_into_dashes(timed: Float[Array, "n 4"], dash: float) -> Float[Array, "m
 
 def rotation_from_x(direction: Float[Array, "3"]) -> tuple[float, float, float, float]:
     """The quaternion (w, x, y, z) of the shortest rotation from the x axis to a direction of any length but zero."""
-    x, y, z = direction / np.linalg.norm(direction)
+    x, y, z = direction.tolist()
+    norm = math.hypot(x, y, z)
+    x, y, z = x / norm, y / norm, z / norm
     if x < -1 + 1e-9:
         return 0.0, 0.0, 0.0, 1.0
     length = math.sqrt(2 * (1 + x))
-    return float((1 + x) / length), 0.0, float(-z / length), float(y / length)
+    return (1 + x) / length, 0.0, -z / length, y / length
 
 
 def quaternion(rotation: Float[Array, "3 3"]) -> tuple[float, float, float, float]:

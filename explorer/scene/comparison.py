@@ -68,7 +68,7 @@ class ComparisonNodes:
             return
         k = nearest_sample(a.motion.time, time)
         position, rotation = a.position_estimate[k], a.estimate.rotation[k]
-        inside = bool(np.isfinite(rotation).all()) and bool(self._bounds.contains(position))
+        inside = bool(np.isfinite(rotation).all()) and self._bounds.holds(position)
         self._ghost.show(inside)
         if inside:
             self._ghost.place(position, rotation)

@@ -67,7 +67,7 @@ class EstimateNodes:
         finite, self._compass = bool(np.isfinite(rotation).all()), picture.motion.position[k]
         self._gravity.point(rotation @ picture.estimate.state[k, 10:13] if finite else np.zeros(3))
         self._magnetic.point(rotation @ self._magnetic_samples[k] if finite else np.zeros(3))
-        inside = finite and bool(bounds.contains(position))
+        inside = finite and bounds.holds(position)
         self._ghost.show(inside)
         if inside:
             self._ghost.place(position, rotation)

@@ -11,6 +11,8 @@ from explorer.scene.bounds import SceneBounds, near_truth
 
 LENGTH, PIECES = 3.0, 40
 """s, and the number of line segments, which is always the same: their colours are then sent only once."""
+SHARES = np.linspace(0.0, 1.0, PIECES + 1)
+"""Of its length, at which one segment ends and the next begins."""
 THICKNESS, BIG_THICKNESS = 3.0, 6.0
 """px"""
 
@@ -53,11 +55,14 @@ def pieces(positions: Float[Array, "n 3"], k: int, back: int) -> Float[Array, "m
     """`PIECES` segments from sample k - back to sample k; None if there is no known position among them.
 
     A segment with an end that is NaN has no length, and lies where another one ends."""
-    samples = np.round(np.linspace(max(k - back, 0), k, PIECES + 1)).astype(int)
+    length = min(back, k)
+    samples = (k - length) + (SHARES * length + 0.5).astype(int)
     points = positions[samples]
-    lines = np.stack([points[:-1], points[1:]], axis=1)
-    known = np.isfinite(lines).all(axis=(1, 2))
-    if not known.any():
-        return None
-    lines[~known] = lines[known][-1, 1]
+    lines = np.empty((PIECES, 2, 3))
+    lines[:, 0], lines[:, 1] = points[:-1], points[1:]
+    if not np.isfinite(points).all():
+        known = np.isfinite(lines).all(axis=(1, 2))
+        if not known.any():
+            return None
+        lines[~known] = lines[known][-1, 1]
     return lines

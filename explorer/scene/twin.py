@@ -71,7 +71,7 @@ class TwinGhost:
         grid = picture.motion.time
         k = nearest_sample(grid, time)
         position = picture.motion.position[k] + self._twin.shift + grid[k] * self._twin.drift
-        inside = bool(self._bounds.contains(position))
+        inside = self._bounds.holds(position)
         self._vehicle.show(inside)
         self._ranges.visible = inside
         if inside:

@@ -1,6 +1,8 @@
 """The world in the 3-D picture: ground grid, anchor with its mast and range sphere, gravity, the magnetic vector, and
 the directions along which the range is blind."""
 
+import math
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -107,7 +109,7 @@ class WorldNodes:
     def move(self, position: Float[Array, "3"]) -> None:
         """Put the vectors at the vehicle's position (m), and let the range sphere pass through it."""
         place(self._compass, position)
-        self._sphere.scale = max(float(np.linalg.norm(position - self._anchor_position)), MIN_RANGE)
+        self._sphere.scale = max(math.dist(position.tolist(), self._anchor_position.tolist()), MIN_RANGE)
 
     def _fit_grid(self, bounds: SceneBounds) -> None:
         if not np.allclose(self._up, bounds.up):

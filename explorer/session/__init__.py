@@ -5,7 +5,7 @@ session's loop  wake.wait(); wake.clear()                      clear BEFORE read
                 dock.refresh(); settings = dock.read()
                 picture = compute(settings)                    stages cached by their own inputs
                 with client.atomic(): draw(picture)            plots and verdict in one batch, then the scene
-playback        the same loop wakes at the shared pace and moves the scene and the cursors; it computes nothing
+playback        the clock of all sessions moves the scene and the cursors while the loop rests; it computes nothing
 """
 
 import contextlib
@@ -46,7 +46,7 @@ from explorer.storage.work_files import StorageError
 from explorer.web import connection, places
 from explorer.web.access.visitors import Visitor
 from explorer.web.door import Door
-from explorer.web.frames import Frames
+from explorer.web.frames import Flight, Frames
 from explorer.web.identity import session_key
 from explorer.web.values import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
@@ -69,6 +69,8 @@ class Session:
         self._client, self.shared = client, shared
         self.catalog = Catalog(shared.shipped, shared.library_of(visitor), shared.certifier)
         self._wake, self._stopped = threading.Event(), False
+        self._turn = threading.Lock()
+        """Held by whoever draws: the session's loop, or the shared clock for a frame."""
         self.form = Form(client.gui, self._wake.set, shared.share_of(visitor))
         self.jobs = self.form.new_jobs()
         self._in_class: Part = Alone()
@@ -113,11 +115,10 @@ class Session:
 
     def _serve(self) -> None:
         while True:
-            due = self._playback.due(self.shared.pace.period)
             woken = self._wake.wait(self._sleep(time.monotonic()))
             if self._stopped:
                 return
-            with self._reporting():
+            with self._turn, self._reporting():
                 now = time.monotonic()
                 self._playback.advance(now)
                 if woken:
@@ -127,22 +128,34 @@ class Session:
                 self._in_class.tick(None if self.picture is None else self.picture.settings)
                 if woken or not self._playback.playing:
                     self._display.animate(now)
-                elif self._is_seen and now >= due:
-                    self._display.play(now, due)
                 self._display.draw_details_if_due(time.monotonic(), self._wake)
                 self._autosave.write_aside(time.monotonic())
+            self.shared.clock.follow(self)
 
     def _sleep(self, now: float) -> float | None:
-        """The time (s) until a frame, the details or a write is due; None if none of them is."""
-        frame = self._playback.wait(now, self.shared.pace.period) if self._is_seen else None
-        waits = (frame, self._autosave.wait(now), self._display.wait(now), self.dock.learn.wait(now))
+        """The time (s) until the details or a write is due; None if neither is."""
+        waits = (self._autosave.wait(now), self._display.wait(now), self.dock.learn.wait(now))
         return min((wait for wait in waits if wait is not None), default=None)
 
     @property
-    def _is_seen(self) -> bool:
-        """Whether the tab is in front, as far as the browser has said: a hidden one is sent no frames."""
-        window = self._door.window
-        return window is None or not window.hidden
+    def plays(self) -> bool:
+        """Whether the run plays in a tab that is in front, as far as the browser has said: a hidden one gets none."""
+        window = self._door.window if self._built else None
+        return self._playback.playing and not self._stopped and not (window is not None and window.hidden)
+
+    def frame(self, now: float) -> Flight | None:
+        """Called by the shared clock: the frame at a time (s, monotonic); None while the session's loop is at work."""
+        if not self._turn.acquire(blocking=False):
+            return None
+        try:
+            with self._reporting():
+                self._playback.advance(now)
+                if self._playback.playing:
+                    return self._display.frame(now)
+                self._wake.set()  # the end of the run is drawn exactly
+            return None
+        finally:
+            self._turn.release()
 
     def _leave(self) -> None:
         """Write the work that is not saved yet, and only then free the slot for the next tab."""
@@ -202,8 +215,9 @@ class Session:
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
-        frames = Frames(client, self.shared.pace.observe)
-        self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback, frames)
+        self._display = Display(
+            client, self.dock, self.charts, scene, handles, timeline, self._playback, Frames(client)
+        )
         visit = Visit(
             client=client,
             visitor=self._visitor,

@@ -6,7 +6,7 @@ draw_details       when nothing has changed for a moment, because the details ta
                    then more windows are judged, and the verdict, which is the sampled windows' until then, is proven in
                    a job
 animate            moves cursors and scene to the playhead; it computes nothing
-play               the same for a frame of a playing run, which may be dropped
+frame              the same for a frame of a playing run, which may be dropped
 """
 
 import threading
@@ -25,7 +25,7 @@ from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles
 from explorer.session.picture_text import PictureText
-from explorer.web.frames import Frames
+from explorer.web.frames import Flight, Frames
 
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
@@ -123,16 +123,16 @@ class Display:
             self._move(self.picture, now, values=True)
         self._text.follow(self.picture, None if self._playback.playing else self._playback.time, now)
 
-    def play(self, now: float, due: float) -> None:
-        """Draw the frame of a playing run that was due at a time (s, monotonic), unless the one before it waits."""
+    def frame(self, now: float) -> Flight | None:
+        """The frame of a playing run at a time (s, monotonic); None while the one before it waits."""
         if self.picture is None or not self._frames.ready:
-            return
+            return None
         values = now >= self._values_due
         if values:
             self._values_due = now + VALUES_PERIOD
         with self._frames.collecting():
             self._move(self.picture, now, values=values)
-        self._frames.send(due)
+        return self._frames.packed()
 
     def _move(self, picture: Picture, now: float, *, values: bool) -> None:
         self._scene.move(picture, self._playback.time)

@@ -3,18 +3,19 @@
 viser sends each assigned property through a queue, and serializes each message by its type hints: most of a frame's
 time went there. Here the properties are assigned as ever, and their messages are collected, packed once, and written:
 
-session's thread   with frames.collecting(): scene.move(...)     the messages of what has changed
-                   frames.send(due)                              packed, and handed to viser's loop
-viser's loop       written, if nothing else waits for this browser; else dropped
+with frames.collecting(): scene.move(...)     the messages of what has changed
+post([frames.packed(), …])                    one wake of viser's loop for the frames of several tabs:
+                                              written, if nothing else waits for the browser; else dropped
 
 A picture, or bytes that the browser has not taken yet, come first. What a dropped frame would have moved goes with the
 next one, or by viser's queue once the run is paused (`finish`): no change is lost, and none overtakes a later one.
 """
 
+import asyncio
 import contextlib
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -69,7 +70,9 @@ def turn(node: viser.SceneNodeHandle, wxyz: tuple[float, float, float, float]) -
 class Flight:
     """A frame on its way."""
 
+    frames: "Frames"
     moved: dict[Key, Message]
+    data: bytes
     left: bool | None = None
     """Whether it was written; None until viser's loop has looked."""
     last: bool = False
@@ -80,10 +83,9 @@ class Flight:
 class Frames:
     """The frames of one tab."""
 
-    def __init__(self, client: viser.ClientHandle, observe: Callable[[float], None]) -> None:
-        """observe: called in viser's loop with the lateness (s) of each frame."""
+    def __init__(self, client: viser.ClientHandle) -> None:
         self._connection, self._server = client._websock_connection, client._viser_server._websock_server
-        self._observe, self._pack = observe, Packer()
+        self._pack = Packer()
         self._collector = 0
         """The thread whose messages are collected now; 0 for none."""
         self._moved: dict[Key, Message] = {}
@@ -106,17 +108,21 @@ class Frames:
         finally:
             self._collector = 0
 
-    def send(self, due: float) -> None:
-        """Send what was collected as one frame, which was due at a time (s, monotonic); `ready` holds."""
+    def packed(self) -> Flight | None:
+        """What was collected as one frame, to be posted; None if nothing was. `ready` holds."""
         self._land()
         if not self._moved:
-            return
-        flight = self._flight = Flight(self._moved)
+            return None
+        flight = self._flight = Flight(self, self._moved, self._pack(self._moved.values()))
         self._moved = {}
+        return flight
+
+    @property
+    def loop(self) -> asyncio.AbstractEventLoop:
+        """viser's loop, which is the same for all tabs of a server."""
         loop = self._server._background_event_loop
-        with contextlib.suppress(RuntimeError):  # the loop is closed
-            if loop is not None:
-                loop.call_soon_threadsafe(self._leave, flight, self._pack(flight.moved.values()), due)
+        assert loop is not None, "the server runs"
+        return loop
 
     def finish(self) -> None:
         """Send what dropped frames would have moved by viser's queue: no frame follows for now."""
@@ -136,14 +142,14 @@ class Frames:
             if not flight.left and not flight.last:
                 self._moved = flight.moved | self._moved
 
-    def _leave(self, flight: Flight, data: bytes, due: float) -> None:
+    def leave(self, flight: Flight) -> None:
         """In viser's loop: write the frame, unless the browser has something else to take first."""
         tab, buffer = self._connection.client_id, self._connection.get_message_buffer()
         connection = self._server._live_connections.get(tab)
         waiting = buffer.generator_cursors.get(tab, -1) != buffer.message_counter - 1
         free = not waiting and connection is not None and connection.state is State.OPEN
         if free and connection is not None and connection.transport.get_write_buffer_size() == 0:
-            connection.protocol.send_binary(data)
+            connection.protocol.send_binary(flight.data)
             connection.send_data()
             flight.left = True
         else:
@@ -152,7 +158,6 @@ class Frames:
                 if flight.last:
                     for message in tuple(flight.moved.values()):
                         self._queue(message)
-        self._observe(time.monotonic() - due)
 
     def _take(self, message: Message) -> None:
         """What viser calls to send a message."""
@@ -163,6 +168,22 @@ class Frames:
             if moved:
                 _supersede(moved, message)
         self._queue(message)
+
+
+def post(flights: Sequence[Flight], late: float, observe: Callable[[float], None]) -> None:
+    """Have frames written by viser's loop. `observe` is then called with their lateness (s): `late`, and how long the
+    loop took to come to them."""
+    if not flights:
+        return
+    posted = time.monotonic()
+
+    def leave() -> None:
+        observe(late + time.monotonic() - posted)
+        for flight in flights:
+            flight.frames.leave(flight)
+
+    with contextlib.suppress(RuntimeError):  # the loop is closed
+        flights[0].frames.loop.call_soon_threadsafe(leave)
 
 
 class Packer:

@@ -243,12 +243,9 @@ def test_a_moment_that_is_none_gets_a_sentence_and_stays_as_it_was_typed(visitor
 
 def test_the_clock_plays_loops_and_stops():
     clock = Playback(10.0)
-    assert clock.wait(0.0, 0.05) is None
     clock.toggle(100.0)
     clock.advance(101.0)
     assert clock.time == 1.0
-    assert clock.wait(101.0, 0.05) == pytest.approx(0.05)
-    assert clock.wait(105.0, 0.05) == 0.0  # late frames are dropped
     clock.change_speed(+1)
     clock.advance(106.0)
     assert clock.time == 1.0  # 1 + 5 · 2 = 11 s of a 10 s run that loops

@@ -16,7 +16,7 @@ from viser.transforms import SO3
 from websockets.protocol import State
 
 from explorer.scene.bounds import quaternion
-from explorer.web.frames import MOVES, Frames, Packer, place, turn
+from explorer.web.frames import MOVES, Frames, Packer, place, post, turn
 from explorer.web.security import CHECKED_AGAINST
 
 HEADER = 8
@@ -142,14 +142,19 @@ def tab() -> Client:
 
 @pytest.fixture
 def frames(tab: Client) -> Frames:
-    return Frames(cast(Any, tab), lambda lateness: None)
+    return Frames(cast(Any, tab))
+
+
+def leave(frames: Frames) -> None:
+    frame = frames.packed()
+    post([] if frame is None else [frame], 0.0, lambda lateness: None)
 
 
 def draw(frames: Frames, tab: Client, *values: str) -> None:
     with frames.collecting():
         for value in values:
             tab.assign(value)
-    frames.send(0.0)
+    leave(frames)
 
 
 def test_the_latest_of_a_moment_leaves_in_one_frame(tab: Client, frames: Frames) -> None:
@@ -176,7 +181,7 @@ def test_a_dropped_frame_moves_with_the_next_or_by_the_queue(tab: Client, frames
     tab.message_counter, tab.socket.waiting, tab._live_connections = 0, 0, {7: tab.socket}
     with frames.collecting():
         pass  # nothing has moved since
-    frames.send(0.0)
+    leave(frames)
     tab._background_event_loop.run()
     assert tab.cursors == ["1"]
     tab.socket.waiting = 1
