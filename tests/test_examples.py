@@ -66,6 +66,15 @@ def connected(text: str) -> None:
     assert float(rows[-1][1]) < 2.0 < float(rows[0][1])
 
 
+def mapped(text: str) -> None:
+    """Every point is valid, the best anchor meets the requirement of 2 m, and the picture is there."""
+    assert "points: 49 in" in text
+    assert "computed: 49 points, 0 of them invalid" in text
+    (sigma,) = re.findall(rf"best anchor .*, {NUMBER} m", text)
+    assert 0 < float(sigma) < 2
+    assert "drawn: True" in text
+
+
 TRUE_OF = {
     "01_observability_of_my_own_arrays.py": own_arrays,
     "02_run_the_observer.py": observer,
@@ -74,6 +83,7 @@ TRUE_OF = {
     "05_certify_and_export.py": certified,
     "06_judge_a_log.py": judged,
     "07_observer_in_python_control.py": connected,
+    "08_a_map_from_a_study.py": mapped,
 }
 
 

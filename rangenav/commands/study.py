@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from rangenav.studies.running import State
     from rangenav.studies.study import Study
 
-FileName = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STUDY.toml")]
+FileName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STUDY")]
+"""A shipped study's name or a path to a TOML file."""
 StoreName = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STORE.zarr")]
 STOPPED = 130
 """The exit code of a program that Ctrl+C ended."""
@@ -30,7 +31,7 @@ def plan(study: FileName, *, json: bool = False) -> None:
     """Say what a study will take: points, runs, time and bytes. A few of its points are computed.
 
     Args:
-        study: The file of the study.
+        study: A shipped study's name or a path to a TOML file.
         json: Print one JSON object.
     """
     from rangenav.commands.text import layout
@@ -56,8 +57,9 @@ def run(
     """Compute a study. Ctrl+C keeps what is done, and the same command goes on where it stopped.
 
     Args:
-        study: The file of the study.
-        output: The store; the name of the file with .zarr by default. If it is there, what is missing is computed.
+        study: A shipped study's name or a path to a TOML file.
+        output: The store; the study's name with .zarr, in this folder, by default. If it is there, what is missing is
+            computed.
         workers: Processes on this machine; as many as it has cores by default.
         scheduler: The address of a dask scheduler that runs already, such as tcp://10.0.0.1:8786.
         dashboard: Show the dashboard of dask at http://127.0.0.1:8787.
@@ -69,12 +71,12 @@ def run(
     from rangenav.studies import study as studies
 
     of = studies.load(study)
-    path = study.with_suffix(".zarr").resolve() if output is None else output.resolve()
+    path = (Path(f"{Path(study).stem}.zarr") if output is None else output).resolve()
     require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
     require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
     require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")
     began, last = time.monotonic(), []
-    with describing(f"computing {study.name}") as show, _stoppable():
+    with describing(f"computing {Path(study).stem}") as show, _stoppable():
 
         def shown(state: "State") -> None:
             last[:] = [state]
@@ -84,8 +86,8 @@ def run(
             count = workers or os.cpu_count() or 1
             state = running.run(of, path, workers=count, scheduler=scheduler, dashboard=dashboard, shown=shown)
         except KeyboardInterrupt:
-            kept = f"{last[0].done} of {last[0].parts} parts are kept" if last else "nothing was computed yet"
-            print(f"{path}: stopped; {kept}, and the same command goes on", file=sys.stderr)
+            kept = running.kept(path, last[0].parts) if last else "nothing was computed yet"
+            print(f"{path}: stopped; {kept}", file=sys.stderr)
             raise SystemExit(STOPPED) from None
     answer = run_report(of, state, store=path, seconds=time.monotonic() - began)
     return print_json(answer) if json else layout.show(text.computed(answer))
@@ -158,17 +160,17 @@ Action = Annotated[
 def study(action: Action) -> None:
     """Compute maps and samples of many presets from a file: plan, run, show or export.
 
-    Example: rangenav study run anchor-map.toml
+    Example: rangenav study run anchor-map
 
     Args:
         action: What to do.
     """
 
 
-def plan_report(of: "Study", planned: "Plan", *, name: Path) -> dict[str, Any]:
+def plan_report(of: "Study", planned: "Plan", *, name: str) -> dict[str, Any]:
     """The JSON object of `rangenav study plan`."""
     return {
-        "study": str(name),
+        "study": name,
         "title": of.file.title,
         "dimensions": dict(zip(of.dimensions, of.shape, strict=True)),
         "points": planned.points,
@@ -236,13 +238,19 @@ def show_report(of: Any) -> dict[str, Any]:
 
 @contextmanager
 def _stoppable() -> Iterator[None]:
-    """SIGTERM, with which batch systems end a program, stops a study as Ctrl+C does."""
+    """SIGTERM, with which batch systems end a program, stops a study as Ctrl+C does; a second one changes nothing."""
 
     def stop(_number: int, _frame: object) -> None:
+        for number in before:
+            signal.signal(number, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, stop)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:  # a shell in the background ignores Ctrl+C
+            signal.signal(number, stop)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -43,6 +43,8 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
         return
     from dask import config
 
+    from rangenav.studies.worker_plugin import IgnoreInterrupt
+
     with config.set(LOCAL):
         logging.getLogger("distributed").setLevel(QUIET)
         with (
@@ -56,6 +58,7 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
             ) as cluster,
             distributed.Client(cluster) as own,
         ):
+            own.register_plugin(IgnoreInterrupt())
             yield own
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from rangenav.inputs import require
 from rangenav.progress import Cancelled, CancelledError, never
-from rangenav.studies import cluster, extra, plan, store, tasks
+from rangenav.studies import cluster, extra, plan, receipts, store, tasks
 from rangenav.studies.receipts import Receipt
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
@@ -98,6 +98,11 @@ def _opened(study: Study, path: Path) -> Store:
     return of
 
 
+def kept(path: Path, parts: int) -> str:
+    """What is kept of a study that was stopped, as a clause for a person."""
+    return f"{sum(1 for _ in receipts.written(path))} of {parts} parts are kept, and the same command goes on"
+
+
 class _Tally:
     """The receipts so far."""
 
@@ -117,18 +122,18 @@ class _Tally:
 
     def state(self) -> State:
         """How far the study is."""
-        count, receipts = self._of.blocks.count, self.done.values()
+        count, done = self._of.blocks.count, self.done.values()
         computed = len(self.done) - self._before
         seconds = max(time.monotonic() - self._began, 1e-9)
-        work = sum(self._work(one) for one in receipts) - self._runs_before
-        widths = [one.width for one in receipts if one.width is not None]
+        work = sum(self._work(one) for one in done) - self._runs_before
+        widths = [one.width for one in done if one.width is not None]
         return State(
             parts=count,
             done=len(self.done),
             computed=computed,
-            points=sum(one.points for one in receipts),
-            invalid=sum(one.invalid for one in receipts),
-            runs=sum(one.runs for one in receipts),
+            points=sum(one.points for one in done),
+            invalid=sum(one.invalid for one in done),
+            runs=sum(one.runs for one in done),
             rate=work / seconds if computed else 0.0,
             left=seconds / computed * (count - len(self.done)) if computed else None,
             width=float(np.median(widths)) if widths else None,
@@ -159,11 +164,11 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
             except Empty:
                 continue
             waiting.discard(future)
-            tally.take(_receipt(future, of, tally))
+            tally.take(_receipt(future, of))
             future.release()
             shown(tally.state())
     except OSError as error:  # of the connection to the scheduler
-        raise _stopped(of, tally, f"the scheduler does not answer ({type(error).__name__})") from None
+        raise _stopped(of, f"the scheduler does not answer ({type(error).__name__})") from None
     finally:
         for future in waiting:
             future.cancel()
@@ -174,27 +179,26 @@ def _key(of: Store, part: int) -> str:
     return f"rangenav-study-{of.study.digest[:12]}-{part}-{time.monotonic_ns()}"
 
 
-def _receipt(future: Any, of: Store, tally: _Tally) -> Receipt:
+def _receipt(future: Any, of: Store) -> Receipt:
     """The receipt of a part that is finished. Raises StoppedError in one sentence if it could not be computed."""
     if future.status == "cancelled":
-        raise _stopped(of, tally, "the scheduler was lost")
+        raise _stopped(of, "the scheduler was lost")
     if future.status == "finished":
         try:
             return future.result(timeout=60)
         except (OSError, RuntimeError) as error:
-            raise _stopped(of, tally, f"the scheduler was lost ({type(error).__name__})") from None
+            raise _stopped(of, f"the scheduler was lost ({type(error).__name__})") from None
     error = future.exception()
     if isinstance(error, OSError):
         words = "no space is left on the disk" if error.errno == errno.ENOSPC else f"{error.strerror or error}"
-        raise _stopped(of, tally, words) from None
+        raise _stopped(of, words) from None
     if type(error).__name__ == "KilledWorker":
-        raise _stopped(of, tally, "one part ended every worker that computed it; is the memory enough?") from None
+        raise _stopped(of, "one part ended every worker that computed it; is the memory enough?") from None
     if isinstance(error, ValueError):
-        raise _stopped(of, tally, str(error)) from None
+        raise _stopped(of, str(error)) from None
     assert error is not None
     raise error
 
 
-def _stopped(of: Store, tally: _Tally, words: str) -> StoppedError:
-    kept = f"{len(tally.done)} of {of.blocks.count} parts are kept, and the same command goes on"
-    return StoppedError(f"{of.path}: {words}; {kept}")
+def _stopped(of: Store, words: str) -> StoppedError:
+    return StoppedError(f"{of.path}: {words}; {kept(of.path, of.blocks.count)}")

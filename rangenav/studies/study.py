@@ -25,6 +25,7 @@ PRESET, POINT = "preset", "point"
 SEED_BITS = 53
 """Of a run's seed: every one may stand in a preset."""
 BOX_SAMPLES = 401
+FOLDER = Path(__file__).parent / "shipped"
 
 
 @dataclass(frozen=True)
@@ -120,9 +121,21 @@ class Study:
         return self.file.design.points
 
 
-def load(path: str | Path) -> Study:
-    """A study from its file. Raises ValueError in one sentence that names file, field and rule."""
-    path = Path(path)
+def shipped() -> dict[str, Path]:
+    """The files of all shipped studies by name."""
+    return {file.stem: file for file in sorted(FOLDER.glob("*.toml"))}
+
+
+def load(name_or_path: str | Path) -> Study:
+    """A shipped study by its name, or any study by the path of its file.
+
+    Raises ValueError in one sentence that names file, field and rule.
+    """
+    path = Path(name_or_path)
+    if path.suffix != ".toml" and path.parent == Path("."):
+        there = shipped()
+        require(path.name in there, f"{path}: no such study; shipped are {', '.join(there)}")
+        path = there[path.name]
     file = study_file.read(path)
     try:
         bases = tuple(preset.load(_beside(name, path)) for name in file.presets)
