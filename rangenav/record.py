@@ -229,16 +229,22 @@ def summarise(
 
 def steady(error: Float[Array, "n"]) -> float:
     """Root mean square over the last quarter."""
-    return float(np.sqrt(np.mean(error[3 * len(error) // 4 :] ** 2)))
+    return float(steady_of_each(error[None])[0])
+
+
+def steady_of_each(errors: Float[Array, "j n"]) -> Float[Array, "j"]:
+    """The same of many errors."""
+    return np.sqrt(np.mean(errors[:, 3 * errors.shape[1] // 4 :] ** 2, axis=1))
 
 
 def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> float | None:
     """The time from which on the error stays below the limit; None if it is above it in the last tenth of the run."""
-    above = np.flatnonzero(~(error < limit))
-    if len(above) == 0:
+    above = ~(error < limit)[::-1]
+    below = int(np.argmax(above))  # samples at the end
+    if not above[below]:
         return float(time[0])
     latest = time[-1] - SETTLED_SHARE * (time[-1] - time[0])
-    since = np.inf if above[-1] == len(time) - 1 else float(time[above[-1] + 1])
+    since = np.inf if below == 0 else float(time[len(time) - below])
     return since if since <= latest else None
 
 

@@ -8,7 +8,7 @@ Exponentially stable is not monotone: from x̂ = 0 the position error first peak
 
 from rangenav.cascade.one_sample import begin, checked_sample, checked_start, parameters, start, step
 from rangenav.cascade.values import Estimate, ObserverConfig, Sample, Start, State
-from rangenav.cascade.whole_record import attitudes, observe, ranges_at_imu_rate
+from rangenav.cascade.whole_record import attitude_errors, attitudes, observe, ranges_at_imu_rate
 
 __all__ = [
     "Estimate",
@@ -16,6 +16,7 @@ __all__ = [
     "Sample",
     "Start",
     "State",
+    "attitude_errors",
     "attitudes",
     "begin",
     "checked_sample",

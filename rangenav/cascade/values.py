@@ -58,6 +58,8 @@ class Estimate:
     """1/s, the attitude gain in force, constant without a schedule; None for an estimator without this gain."""
     phase: Int[Array, "n"] | None = None
     """Which gains are in force, a place in `acquisition.PHASES`; None for an estimator without phases."""
+    mag: Float[Array, "n 3"] | None = None
+    """The magnetometer's vectors, turned by the gyro where it gave none; None for an estimator that keeps none."""
 
     @property
     def std(self) -> Float[Array, "n 13"]:
@@ -137,6 +139,14 @@ class State:
         states, xi_variance, covariances = np.empty((1, model.STATES)), np.empty((1, 4)), np.empty((1, 3, 3, 3))
         kernel().read(self.packed, 0, states, xi_variance, covariances)
         return states[0], xi_variance[0], covariances[0]
+
+
+@cache
+def attitude_kernel() -> ModuleType:
+    """Likewise."""
+    from rangenav.kernels import attitude as kernel
+
+    return kernel
 
 
 @cache

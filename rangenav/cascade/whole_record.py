@@ -5,9 +5,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model
-from rangenav.arguments import finite_array
-from rangenav.cascade.one_sample import MATRIX, begin
-from rangenav.cascade.values import Estimate, ObserverConfig, Sample, Start, kernel
+from rangenav.arguments import array, finite_array
+from rangenav.attitude import MISALIGNED
+from rangenav.cascade.one_sample import MATRIX, begin, parameters
+from rangenav.cascade.values import Estimate, ObserverConfig, Sample, Start, attitude_kernel, kernel
 from rangenav.inputs import require
 from rangenav.sensors import Measurements, Sensors, check
 
@@ -21,7 +22,7 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     z = check(measurements)
     count, ranges = len(z.time), len(z.range_time)
     state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
-    k1, phase = np.empty(count), np.empty(count, dtype=np.int8)
+    k1, phase, mag = np.empty(count), np.empty(count, dtype=np.int8), np.empty((count, 3))
     estimate = Estimate(
         time=z.time,
         state=np.empty((count, model.STATES)),
@@ -31,10 +32,11 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
         innovation=np.full((ranges, 2), np.nan),
         k1=k1,
         phase=phase,
+        mag=mag,
     )
     kernel().run(
         state.packed, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
-        estimate.covariance, estimate.rotation, k1, phase, estimate.innovation, _skipped(z),
+        estimate.covariance, estimate.rotation, k1, phase, mag, estimate.innovation, _skipped(z),
         state.packed_parameters,
     )  # fmt: skip
     return estimate
@@ -50,15 +52,53 @@ def attitudes(
     another vector there.
     """
     z, rotations = check(measurements), finite_array("rotations", rotations, ("j", *MATRIX))
-    require(not np.isnan(z.mag[0]).any(), "many starts need a magnetometer sample at the first IMU sample")
-    state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
-    estimates = np.empty((len(rotations), len(z.time), 3, 3))
-    estimates[:, 0] = rotations
-    kernel().run_attitudes(
-        state.packed, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimates, np.empty((len(z.range), 2)),
-        _skipped(z), state.packed_parameters,
-    )  # fmt: skip
+    _refuse_unknown_mag(z)
+    estimates, count = np.empty((len(rotations), len(z.time), 3, 3)), len(z.time)
+    _follow(observe(z, start, setting), z, setting, rotations, np.empty((count, 3, 3)), estimates, np.empty((0, count)))
     return estimates
+
+
+def attitude_errors(
+    measurements: Measurements,
+    estimate: Estimate,
+    setting: ObserverConfig,
+    *,
+    rotations: Float[Array, "j 3 3"],
+    truth: Float[Array, "n 3 3"],
+) -> Float[Array, "j n"]:
+    """The angle (rad) of R R̂ᵀ over a record from many R̂(0), from the estimate of `observe` with any R̂(0).
+
+    To the last bit the angles of what `attitudes` gives, in a tenth of its memory. Raises as `attitudes` does.
+    """
+    z, rotations = check(measurements), finite_array("rotations", rotations, ("j", *MATRIX))
+    truth = array("truth", truth, (len(z.time), *MATRIX))
+    array("estimate.state", estimate.state, (len(z.time), model.STATES))
+    _refuse_unknown_mag(z)
+    errors = np.empty((len(rotations), len(z.time)))
+    _follow(estimate, z, setting, rotations, truth, np.empty((0, len(z.time), 3, 3)), errors)
+    return errors
+
+
+def _follow(
+    estimate: Estimate,
+    z: Measurements,
+    setting: ObserverConfig,
+    rotations: Array,
+    truth: Array,
+    estimates: Array,
+    errors: Array,
+) -> None:
+    """Attitude filters on the ĝ of an estimate; estimates and errors are written where they have rows."""
+    require(estimate.mag is not None, "the estimate must be that of cascade.observe")
+    gravity = np.ascontiguousarray(estimate.state[:, model.GRAVITY])
+    packed = parameters(setting, symmetric=False).packed()
+    attitude_kernel().run(
+        z.time, z.gyro, estimate.mag, gravity, truth, rotations, estimates, errors, MISALIGNED, packed
+    )
+
+
+def _refuse_unknown_mag(z: Measurements) -> None:
+    require(not np.isnan(z.mag[0]).any(), "many starts need a magnetometer sample at the first IMU sample")
 
 
 def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import record, so3
+from rangenav import cascade, record, so3
 from rangenav.ensemble.pool import each, refuse_work
-from rangenav.ensemble.runs import attitude_errors, batch, grid
+from rangenav.ensemble.runs import batch, grid, shared
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
@@ -60,9 +60,11 @@ def basin(
     axis, chosen = sphere(axes), grid(len(z.time))
     rotations = so3.exp(-angle * axis) @ truth.motion.rotation[0]
     size = batch(len(z.time))
+    estimate, setting = shared(preset, truth, z)
 
     def run(first: int) -> list[tuple[float, float, Array]]:
-        errors = attitude_errors(preset, truth, z, rotations[first : first + size])
+        some, R = rotations[first : first + size], truth.motion.rotation
+        errors = cascade.attitude_errors(z, estimate, setting, rotations=some, truth=R)
         return [(_settled(z.time, error), float(error[-1]), error[chosen]) for error in errors]
 
     jobs = each(run, range(0, axes, size), samples=len(z.time), progress=progress, cancelled=cancelled)

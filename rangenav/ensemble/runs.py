@@ -13,9 +13,8 @@ from msgspec.structs import replace
 from numpy import ndarray as Array
 
 from rangenav import cascade, consistency, model, record
-from rangenav.cascade import ObserverConfig
+from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.ensemble.pool import each, refuse_work
-from rangenav.errors import angles
 from rangenav.gains import Guess
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
@@ -25,10 +24,11 @@ from rangenav.sensors import Measurements
 
 GRID = 401
 """Times at which errors are kept: as many as a plot can tell apart."""
-STARTS_PER_RECORD = 10
-"""Random starts that share one record of measurements and so one x̂, which does not depend on the attitude."""
-BATCH = 64_000
-"""Attitudes (starts × samples) kept at once: 5 MB, and a dozen starts share the 2 ms of their x̂."""
+STARTS_PER_RECORD = 40
+"""Random starts that share one record of measurements and so one x̂, which does not depend on the attitude: five vectors
+of eight, which take half as long as the record itself."""
+BATCH, TOGETHER = 128_000, 8
+"""Errors (starts × samples) kept at once, a megabyte, and the filters that the kernel runs side by side."""
 HOLD = 1.0
 """s at the end of a run over which an error must stay small to count as held."""
 TENTHS = (0.1, 0.5, 0.9)
@@ -141,7 +141,7 @@ def starts(
     progress: Progress = unheard,
     cancelled: Cancelled = never,
 ) -> Ensemble:
-    """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), ten on each record of noise. Raises as `seeds` does."""
+    """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), forty on each record of noise. Raises as `seeds` does."""
     truth = _truth(preset, count)
     rotations = scipy.spatial.transform.Rotation.from_quat(
         rng.standard_normal((count, 4))
@@ -151,7 +151,11 @@ def starts(
     def run(k: int) -> dict[str, Array]:
         seed, some = preset.seed + k, rotations[STARTS_PER_RECORD * k : STARTS_PER_RECORD * (k + 1)]
         z, outcome = _observed(preset, truth, seed, "derived")
-        return _rows(truth, z, outcome, attitude_errors(preset, truth, z, some), seed)
+        setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
+        errors = cascade.attitude_errors(
+            z, outcome.estimate, setting, rotations=some, truth=truth.motion.rotation
+        )  # of the same x̂
+        return _rows(truth, z, outcome, errors, seed)
 
     records = range(-(-count // STARTS_PER_RECORD))
     return _gathered(truth, each(run, records, samples=_samples(truth), progress=progress, cancelled=cancelled))
@@ -161,12 +165,15 @@ def attitude_errors(
     preset: Preset, truth: Truth, measurements: Measurements, rotations: Float[Array, "j 3 3"]
 ) -> Float[Array, "j n"]:
     """Angle of R̃ (rad) over a record, from each of many R̂(0)."""
+    estimate, setting = shared(preset, truth, measurements)
+    return cascade.attitude_errors(measurements, estimate, setting, rotations=rotations, truth=truth.motion.rotation)
+
+
+def shared(preset: Preset, truth: Truth, measurements: Measurements) -> tuple[Estimate, ObserverConfig]:
+    """The estimate from the preset's guess, whose x̂ every R̂(0) shares, and the observer's configuration."""
     setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
     guessed = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
-    some = batch(_samples(truth))
-    parts = [rotations[k : k + some] for k in range(0, len(rotations), some)]
-    estimates = (cascade.attitudes(measurements, guessed, setting, rotations=part) for part in parts)
-    return np.concatenate([angles(attitudes, truth.motion.rotation) for attitudes in estimates])
+    return cascade.observe(measurements, guessed, setting), setting
 
 
 def spread(figures: Float[Array, "s"]) -> Spread:
@@ -180,8 +187,8 @@ def grid(count: int) -> Int[Array, "t"]:
 
 
 def batch(samples: int) -> int:
-    """How many attitudes may be followed together over so many samples."""
-    return max(1, BATCH // samples)
+    """How many attitudes may be followed together over so many samples: whole vectors of them."""
+    return TOGETHER * max(1, BATCH // (TOGETHER * samples))
 
 
 def _samples(truth: Truth) -> int:
@@ -223,12 +230,18 @@ def _rows(
         **{name: getattr(summary, name) for name in SHARED_FIGURES},
     }
     return {
-        **{name: np.stack([np.asarray(value)] * len(attitude)) for name, value in shared.items()},
+        **{name: _repeated(value, len(attitude)) for name, value in shared.items()},
         "attitude": attitude[:, chosen],
         "settle_attitude": np.array([_or_never(time) for time in settled]),
-        "steady_attitude_deg": np.array([math.degrees(record.steady(angle)) for angle in attitude]),
+        "steady_attitude_deg": np.array([math.degrees(angle) for angle in record.steady_of_each(attitude)]),
         "held": np.asarray(held & np.all(errors.position[last] < record.SETTLED_POSITION)),
     }
+
+
+def _repeated(value: object, count: int) -> Array:
+    """One row for each start: not copied before all runs are gathered."""
+    one = np.asarray(value)
+    return np.broadcast_to(one, (count, *one.shape))
 
 
 def _or_never(time: float | None) -> float:

@@ -7,10 +7,42 @@ mean of what the vectors say at both ends, exactly, so that no step is too long 
 import numpy as np
 
 from rangenav.kernels import rotation as rot
-from rangenav.kernels.jit import kernel
+from rangenav.kernels.jit import inlined, kernel
+from rangenav.kernels.layout import Parameters
+
+LANES = 8
+"""Filters side by side: two vectors of four, or one of eight."""
+S, MOVED, SIZE, ANGLE = 9 * LANES, 10 * LANES, 20 * LANES, 21 * LANES
+"""Places in the one array that they share, after their rotations: of loops of eight the compiler makes vector code only
+where it need not ask, while they run, whether two arrays overlap."""
 
 
 @kernel
+def unpacked(n):
+    """The parameters from `Parameters.packed`."""
+    return Parameters(
+        gravity=(n[0], n[1], n[2]),
+        magnetic=(n[3], n[4], n[5]),
+        b4=n[6],
+        variance=n[7],
+        v=(n[8], n[9], n[10], n[11]),
+        p0=(n[12], n[13], n[14], n[15]),
+        k1=n[16],
+        rho1=n[17],
+        rho2=n[18],
+        scheduled=n[19] != 0.0,
+        k1_steady=n[20],
+        halfway=n[21],
+        memory=n[22],
+        symmetric=n[23] != 0.0,
+        matched=n[24] != 0.0,
+        range_sigma=n[25],
+        accel_density=n[26],
+        gyro_density=n[27],
+    )
+
+
+@inlined
 def gain(s, p):
     """k1 at a misalignment s: constant, or between its two ends in equal ratios (attitude.Schedule)."""
     if not p.scheduled:
@@ -19,38 +51,140 @@ def gain(s, p):
     return p.k1_steady * (p.k1 / p.k1_steady) ** (square / (square + p.halfway * p.halfway))
 
 
-@kernel
-def rate(r, s, gyro, mag, gravity, p):
+@inlined
+def rate(m, g, s, gyro, mag, gravity, scheduled, p):
     """ω_y + k1(s) (ρ1 m_y × R̂ᵀm + ρ2 ĝ_B × R̂ᵀg), body axes, and the misalignment of the vectors, 0 if nobody asks.
 
-    gyro, mag and gravity (ĝ_B) are tuples of three.
+    m and g: R̂ᵀm and R̂ᵀg; all vectors are tuples of three. scheduled: p.scheduled.
     """
-    mx, my, mz = rot.apply_inverse(r, p.magnetic[0], p.magnetic[1], p.magnetic[2])
-    gx, gy, gz = rot.apply_inverse(r, p.gravity[0], p.gravity[1], p.gravity[2])
-    k1, seen = gain(s, p), 0.0
+    k1, seen = gain(s, p) if scheduled else p.k1, 0.0
     c1, c2 = k1 * p.rho1, k1 * p.rho2
-    if p.scheduled:
-        square = gx * gx + gy * gy + gz * gz
+    if scheduled:
+        square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2]
         weight = p.rho2 * square
         size = gravity[0] * gravity[0] + gravity[1] * gravity[1] + gravity[2] * gravity[2]
-        along = gravity[0] * gx + gravity[1] * gy + gravity[2] * gz
-        magnetic = 1 - (mag[0] * mx + mag[1] * my + mag[2] * mz)
+        along = gravity[0] * g[0] + gravity[1] * g[1] + gravity[2] * g[2]
+        magnetic = 1 - (mag[0] * m[0] + mag[1] * m[1] + mag[2] * m[2])
         seen = (p.rho1 * magnetic + weight * (1 - 2 * along / (size + square))) / (p.rho1 + weight)
     return (
-        gyro[0] + c1 * (mag[1] * mz - mag[2] * my) + c2 * (gravity[1] * gz - gravity[2] * gy),
-        gyro[1] + c1 * (mag[2] * mx - mag[0] * mz) + c2 * (gravity[2] * gx - gravity[0] * gz),
-        gyro[2] + c1 * (mag[0] * my - mag[1] * mx) + c2 * (gravity[0] * gy - gravity[1] * gx),
+        gyro[0] + c1 * (mag[1] * m[2] - mag[2] * m[1]) + c2 * (gravity[1] * g[2] - gravity[2] * g[1]),
+        gyro[1] + c1 * (mag[2] * m[0] - mag[0] * m[2]) + c2 * (gravity[2] * g[0] - gravity[0] * g[2]),
+        gyro[2] + c1 * (mag[0] * m[1] - mag[1] * m[0]) + c2 * (gravity[0] * g[1] - gravity[1] * g[0]),
         seen,
     )
+
+
+@inlined
+def _seen_from(r, p):
+    """R̂ᵀm and R̂ᵀg."""
+    m, g = p.magnetic, p.gravity
+    return rot.apply_inverse(r, m[0], m[1], m[2]), rot.apply_inverse(r, g[0], g[1], g[2])
 
 
 @kernel
 def step(r, s, gyro0, gyro1, mag0, mag1, gravity0, gravity1, h, p):
     """R̂ and the misalignment s after h seconds, from the signals at both ends."""
-    sx, sy, sz, seen0 = rate(r, s, gyro0, mag0, gravity0, p)
-    trial = rot.multiply(r, rot.exp(h * sx, h * sy, h * sz))
-    kept = np.exp(-h / p.memory) if p.scheduled else 1.0
-    ex, ey, ez, seen1 = rate(trial, seen0 + kept * (s - seen0), gyro1, mag1, gravity1, p)
+    kept, (m, g) = _kept(h, p), _seen_from(r, p)
+    sx, sy, sz, seen0 = rate(m, g, s, gyro0, mag0, gravity0, p.scheduled, p)
+    turn = rot.exp(h * sx, h * sy, h * sz)
+    m, g = rot.apply_inverse(turn, m[0], m[1], m[2]), rot.apply_inverse(turn, g[0], g[1], g[2])
+    ex, ey, ez, seen1 = rate(m, g, seen0 + kept * (s - seen0), gyro1, mag1, gravity1, p.scheduled, p)
     turn = rot.exp(h / 2 * (sx + ex), h / 2 * (sy + ey), h / 2 * (sz + ez))
     mean = (seen0 + seen1) / 2
     return rot.orthonormal(rot.multiply(r, turn)), mean + kept * (s - mean)
+
+
+@inlined
+def _kept(h, p):
+    return np.exp(-h / p.memory) if p.scheduled else 1.0
+
+
+@inlined
+def small_step(r, s, kept, z0, z1, h, scheduled, p):
+    """The same, and the sum of the squares of both turns (rad²): right only where this is below SMALL_SQUARE.
+
+    z0, z1: gyro, mag and gravity at both ends.
+    """
+    m, g = _seen_from(r, p)
+    sx, sy, sz, seen0 = rate(m, g, s, z0[0], z0[1], z0[2], scheduled, p)
+    ax, ay, az = h * sx, h * sy, h * sz
+    turn = rot.small(ax, ay, az)
+    m, g = rot.apply_inverse(turn, m[0], m[1], m[2]), rot.apply_inverse(turn, g[0], g[1], g[2])
+    ex, ey, ez, seen1 = rate(m, g, seen0 + kept * (s - seen0), z1[0], z1[1], z1[2], scheduled, p)
+    bx, by, bz = h / 2 * (sx + ex), h / 2 * (sy + ey), h / 2 * (sz + ez)
+    size = (ax * ax + ay * ay + az * az) + (bx * bx + by * by + bz * bz)
+    mean = (seen0 + seen1) / 2
+    return rot.orthonormal(rot.multiply(r, rot.small(bx, by, bz))), mean + kept * (s - mean), size
+
+
+@kernel
+def run(time, gyro, mag, gravity, truth, starts, rotations, errors, misaligned, packed):
+    """One filter from each of many R̂(0), eight side by side, over a record whose ĝ_B is known: all of them share it.
+
+    rotations[j, k] ← R̂ of filter j at sample k. errors[j, k] ← the angle (rad) of R R̂ᵀ, R = truth[k]. Either may have
+    no rows, and is then not computed. Each filter has to the last bit what `step` gives it alone.
+    """
+    w, p = np.empty(22 * LANES), unpacked(packed)
+    for first in range(0, len(starts), LANES):
+        count = min(LANES, len(starts) - first)
+        for c in range(LANES):
+            _put(w, c, rot.load(starts[first + min(c, count - 1)]))
+            w[S + c] = misaligned
+        for k in range(len(time)):
+            if k > 0:
+                z0 = rot.row(gyro, k - 1), rot.row(mag, k - 1), rot.row(gravity, k - 1)
+                z1, h = (rot.row(gyro, k), rot.row(mag, k), rot.row(gravity, k)), time[k] - time[k - 1]
+                _lanes(w, z0, z1, h, _kept(h, p), p)
+                largest = 0.0
+                for c in range(LANES):
+                    largest = max(largest, w[SIZE + c])
+                if largest < rot.SMALL_SQUARE:
+                    for i in range(MOVED):
+                        w[i] = w[MOVED + i]
+                else:
+                    for c in range(LANES):
+                        r, w[S + c] = step(_lane(w, c), w[S + c], z0[0], z1[0], z0[1], z1[1], z0[2], z1[2], h, p)
+                        _put(w, c, r)
+            if len(rotations) > 0:
+                for c in range(count):
+                    rot.store(_lane(w, c), rotations[first + c, k])
+            if len(errors) > 0:
+                _angles(w, rot.load(truth[k]))
+                for c in range(count):
+                    errors[first + c, k] = w[ANGLE + c]
+
+
+@kernel
+def _lanes(w, z0, z1, h, kept, p):
+    """`small_step` of every lane, as vector code unless the gain is scheduled."""
+    if p.scheduled:
+        for c in range(LANES):
+            r, w[MOVED + S + c], w[SIZE + c] = small_step(_lane(w, c), w[S + c], kept, z0, z1, h, True, p)
+            _put(w, MOVED + c, r)
+    else:
+        for c in range(LANES):
+            r, w[MOVED + S + c], w[SIZE + c] = small_step(_lane(w, c), w[S + c], 1.0, z0, z1, h, False, p)
+            _put(w, MOVED + c, r)
+
+
+@kernel
+def _angles(w, truth):
+    for c in range(LANES):
+        w[ANGLE + c] = rot.angle(truth, _lane(w, c))
+
+
+@inlined
+def _lane(w, c):
+    """The rotation of one lane: nine numbers, each beside those of the other lanes."""
+    n = LANES
+    return (
+        w[c], w[n + c], w[2 * n + c], w[3 * n + c], w[4 * n + c], w[5 * n + c], w[6 * n + c], w[7 * n + c], w[8 * n + c]
+    )  # fmt: skip
+
+
+@inlined
+def _put(w, c, r):
+    n = LANES
+    w[c], w[n + c], w[2 * n + c] = r[0], r[1], r[2]
+    w[3 * n + c], w[4 * n + c], w[5 * n + c] = r[3], r[4], r[5]
+    w[6 * n + c], w[7 * n + c], w[8 * n + c] = r[6], r[7], r[8]

@@ -38,7 +38,6 @@ from rangenav.kernels.layout import (
     TIME_FAULT,
     TURNED_AT,
     X_AT,
-    Parameters,
 )
 
 STEP = f"int64(float64[::1], float64{6 * ', float64[::1]'})"
@@ -46,38 +45,8 @@ STEP = f"int64(float64[::1], float64{6 * ', float64[::1]'})"
 
 
 @kernel
-def unpacked(n):
-    """The parameters from `Parameters.packed`."""
-    return Parameters(
-        gravity=(n[0], n[1], n[2]),
-        magnetic=(n[3], n[4], n[5]),
-        b4=n[6],
-        variance=n[7],
-        v=(n[8], n[9], n[10], n[11]),
-        p0=(n[12], n[13], n[14], n[15]),
-        k1=n[16],
-        rho1=n[17],
-        rho2=n[18],
-        scheduled=n[19] != 0.0,
-        k1_steady=n[20],
-        halfway=n[21],
-        memory=n[22],
-        symmetric=n[23] != 0.0,
-        matched=n[24] != 0.0,
-        range_sigma=n[25],
-        accel_density=n[26],
-        gyro_density=n[27],
-    )
-
-
-@kernel
 def _three(flat, at):
     return flat[at], flat[at + 1], flat[at + 2]
-
-
-@kernel
-def _row(matrix, k):
-    return matrix[k, 0], matrix[k, 1], matrix[k, 2]
 
 
 @kernel
@@ -140,7 +109,7 @@ def _add_noise(x, P, h, matched, p):
 @kernel
 def begin(s, distance, packed):
     """Keep the correction by a range at the very first IMU sample: it is applied when the first interval starts."""
-    p, x, P, a = unpacked(packed), s[X_AT:P_AT], s[P_AT:TURNED_AT], s[ACQUISITION_AT:LENGTH]
+    p, x, P, a = attitude.unpacked(packed), s[X_AT:P_AT], s[P_AT:TURNED_AT], s[ACQUISITION_AT:LENGTH]
     y, matched = measured_y(distance, p), a[PHASE] == MATCHED
     variance = range_variance(x, matched, p)
     if a[COLLECTS] > 0:
@@ -237,7 +206,7 @@ def step(s, t1, gyro, accel, mag, range_time, distance, packed):
         count = len(distance)
         advance(
             s, t1, _three(gyro, 0), _three(accel, 0), _three(mag, 0), range_time, distance, 0, count,
-            np.empty((count, 2)), unpacked(packed),
+            np.empty((count, 2)), attitude.unpacked(packed),
         )  # fmt: skip
     return found
 
@@ -279,19 +248,19 @@ def read(s, k, states, xi_variance, covariances):
 @kernel
 def run(
     s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, gains, phases,
-    innovation, first, packed
+    mags, innovation, first, packed
 ):  # fmt: skip
     """Run a whole record from its range number `first` on, writing the estimate at every IMU sample."""
-    p = unpacked(packed)
+    p = attitude.unpacked(packed)
     for k in range(len(time)):
         if k > 0:
             last = due(range_time, first, time[k])
             advance(
                 s,
                 time[k],
-                _row(gyro, k),
-                _row(accel, k),
-                _row(mag, k),
+                rot.row(gyro, k),
+                rot.row(accel, k),
+                rot.row(mag, k),
                 range_time,
                 distance,
                 first,
@@ -302,6 +271,7 @@ def run(
             first = last
         read(s, k, states, xi_variance, covariances)
         for i in range(3):
+            mags[k, i] = s[MAG_AT + i]
             for j in range(3):
                 rotations[k, i, j] = s[ROTATION_AT + 3 * i + j]
         gains[k], phases[k] = attitude.gain(s[MISALIGNED_AT], p), s[ACQUISITION_AT + PHASE]
@@ -310,7 +280,7 @@ def run(
 @kernel
 def k1(s, packed):
     """The attitude gain in force."""
-    return attitude.gain(s[MISALIGNED_AT], unpacked(packed))
+    return attitude.gain(s[MISALIGNED_AT], attitude.unpacked(packed))
 
 
 @kernel
@@ -319,26 +289,3 @@ def due(range_time, first, time):
     while first < len(range_time) and range_time[first] <= time:
         first += 1
     return first
-
-
-@kernel
-def run_attitudes(s, time, gyro, accel, mag, range_time, distance, rotations, innovation, first, packed):
-    """Run a whole record once for x̂, and one attitude filter from each R̂(0) in rotations[:, 0].
-
-    rotations[j, k] ← R̂ of filter j at sample k. All filters share one x̂, because in the cascade x̂ does not depend on R̂.
-    """
-    p, misaligned = unpacked(packed), np.full(len(rotations), s[MISALIGNED_AT])
-    for k in range(1, len(time)):
-        last = due(range_time, first, time[k])
-        mag0, gravity0 = _three(s, MAG_AT), _three(s, GRAVITY_AT)
-        advance(
-            s, time[k], _row(gyro, k), _row(accel, k), _row(mag, k), range_time, distance, first, last, innovation, p
-        )
-        mag1, gravity1, h = _three(s, MAG_AT), _three(s, GRAVITY_AT), time[k] - time[k - 1]
-        for j in range(len(rotations)):
-            r = rot.load(rotations[j, k - 1])
-            r, misaligned[j] = attitude.step(
-                r, misaligned[j], _row(gyro, k - 1), _row(gyro, k), mag0, mag1, gravity0, gravity1, h, p
-            )
-            rot.store(r, rotations[j, k])
-        first = last

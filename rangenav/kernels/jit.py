@@ -13,8 +13,17 @@ config: Any = importlib.import_module("numba.core.config")
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile on first call; error_model "numpy" lets a division give inf or NaN, whose checks stop vectorisation."""
+    return _compiled(function, inlined=False)
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """The same for a function that loops over lanes call: they become vector code only where no call is left."""
+    return _compiled(function, inlined=True)
+
+
+def _compiled(function: Callable[..., Any], *, inlined: bool) -> Any:
     previous, config.CACHE_DIR = config.CACHE_DIR, str(cache.folder())  # read while decorating, and only then
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        return numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=inlined)(function)
     finally:
         config.CACHE_DIR = previous

@@ -41,7 +41,7 @@ def _stages() -> list[tuple[str, Stage]]:
     arrays.P[::14], arrays.turned[:], arrays.rotation[:] = 1.0, matrix, matrix
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
     r, one, pairs = rotation.load(matrix), np.ones(1), np.empty((2, 2))
-    known = cascade.unpacked(p)
+    known = attitude.unpacked(p)
     return [
         ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), r))),
         ("attitude filter", lambda: attitude.step(r, 1.0, three, three, three, three, three, three, 1e-3, known)),
@@ -61,13 +61,15 @@ def _stages() -> list[tuple[str, Stage]]:
             "whole record",
             lambda: cascade.run(
                 s, time, rows, rows, rows, time, ranges, np.empty((2, 13)), np.empty((2, 4)), np.empty((2, 3, 3, 3)),
-                np.empty((2, 3, 3)), np.empty(2), np.empty(2, dtype=np.int8), np.empty((2, 2)), 1, p,
+                np.empty((2, 3, 3)), np.empty(2), np.empty(2, dtype=np.int8), np.empty((2, 3)),
+                np.empty((2, 2)), 1, p,
             ),
         ),
         (
             "many attitudes",
-            lambda: cascade.run_attitudes(
-                s, time, rows, rows, rows, time, ranges, np.tile(matrix, (1, 2, 1, 1)), np.empty((2, 2)), 1, p
+            lambda: attitude.run(
+                time, rows, rows, rows, np.array([matrix, matrix]), matrix[None], np.empty((1, 2, 3, 3)),
+                np.empty((1, 2)), 1.0, p,
             ),
         ),
         ("errors", lambda: errors.norms(np.zeros((1, 13)), np.zeros((1, 13)), np.empty((1, 3)))),

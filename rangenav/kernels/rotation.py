@@ -4,34 +4,78 @@ import math
 
 import numpy as np
 
-from rangenav.kernels.jit import kernel
+from rangenav.kernels.jit import inlined, kernel
 
-SMALL_SQUARE = 0.1
-"""rad²; below it sin θ/θ and (1 − cos θ)/θ² are series whose first dropped term is under 1e-19."""
-SIN = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(1, 7))
-COS = tuple((-1) ** k / math.factorial(2 * k + 2) for k in range(1, 7))
+SMALL_SQUARE = 0.06
+"""rad²; below it sin θ/θ and (1 − cos θ)/θ² are series whose first dropped term is under 1e-17."""
+SIN = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(1, 6))
+COS = tuple((-1) ** k / math.factorial(2 * k + 2) for k in range(1, 6))
 """Their coefficients from the second on: products, since a division takes as long as ten of them."""
+ATAN = tuple((-1) ** k / (2 * k + 1) for k in range(1, 12))
+ARCS = (math.tan(math.pi / 16), math.tan(math.pi / 8), math.tan(3 * math.pi / 16))
+"""Of arctan; the numbers where one centre ends and the next begins, and the centre between them."""
 
 
 @kernel
 def exp(x, y, z):
     """exp([w]x) of w = (x, y, z), by Rodrigues' formula."""
-    xx, yy, zz = x * x, y * y, z * z
-    s = xx + yy + zz
-    if s < SMALL_SQUARE:
-        a = 1 + s * (SIN[0] + s * (SIN[1] + s * (SIN[2] + s * (SIN[3] + s * (SIN[4] + s * SIN[5])))))
-        b = 0.5 + s * (COS[0] + s * (COS[1] + s * (COS[2] + s * (COS[3] + s * (COS[4] + s * COS[5])))))
-    else:
-        angle = np.sqrt(s)
-        half = np.sin(angle / 2)
-        a = np.sin(angle) / angle
-        b = 2 * half * half / s
-    bx, by, ax, ay, az = b * x, b * y, a * x, a * y, a * z
+    square = x * x + y * y + z * z
+    if square < SMALL_SQUARE:
+        return small(x, y, z)
+    angle = np.sqrt(square)
+    half = np.sin(angle / 2)
+    return _rodrigues(x, y, z, np.sin(angle) / angle, 2 * half * half / square)
+
+
+@inlined
+def small(x, y, z):
+    """The same by its series, for squares of the angle below SMALL_SQUARE."""
+    s = x * x + y * y + z * z
+    s2 = s * s
+    a = 1 + s * ((SIN[0] + s * SIN[1]) + s2 * ((SIN[2] + s * SIN[3]) + s2 * SIN[4]))
+    b = 0.5 + s * ((COS[0] + s * COS[1]) + s2 * ((COS[2] + s * COS[3]) + s2 * COS[4]))
+    return _rodrigues(x, y, z, a, b)
+
+
+@inlined
+def _rodrigues(x, y, z, a, b):
+    xx, yy, zz, bx, by, ax, ay, az = x * x, y * y, z * z, b * x, b * y, a * x, a * y, a * z
     return (
         1 - b * (yy + zz), bx * y - az, bx * z + ay,
         bx * y + az, 1 - b * (xx + zz), by * z - ax,
         bx * z - ay, by * z + ax, 1 - b * (xx + yy),
     )  # fmt: skip
+
+
+@inlined
+def angle(r, e):
+    """The angle of r eᵀ (rad), accurate at both ends: that of a point at (2 cos θ, 2 sin θ).
+
+    tan ½θ, or cot ½θ beyond a right angle, is t ≤ 1; arctan t is that of the nearest of 0, tan π/8 and 1 and a series,
+    whose first dropped term is under 1e-17. Unlike numpy's arctan2 it becomes vector code.
+    """
+    x = r[6] * e[3] + r[7] * e[4] + r[8] * e[5] - (r[3] * e[6] + r[4] * e[7] + r[5] * e[8])
+    y = r[0] * e[6] + r[1] * e[7] + r[2] * e[8] - (r[6] * e[0] + r[7] * e[1] + r[8] * e[2])
+    z = r[3] * e[0] + r[4] * e[1] + r[5] * e[2] - (r[0] * e[3] + r[1] * e[4] + r[2] * e[5])
+    trace = r[0] * e[0] + r[1] * e[1] + r[2] * e[2] + r[3] * e[3] + r[4] * e[4] + r[5] * e[5]
+    trace += r[6] * e[6] + r[7] * e[7] + r[8] * e[8]
+    square, cosine = x * x + y * y + z * z, trace - 1
+    t = np.sqrt(square) / (np.sqrt(square + cosine * cosine) + abs(cosine))
+    centre = 0.0 if t < ARCS[0] else (ARCS[1] if t < ARCS[2] else 1.0)
+    arc = 0.0 if t < ARCS[0] else (math.pi / 8 if t < ARCS[2] else math.pi / 4)
+    u = (t - centre) / (1 + t * centre)
+    s = u * u
+    series = ATAN[8] + s * (ATAN[9] + s * ATAN[10])
+    series = ATAN[4] + s * (ATAN[5] + s * (ATAN[6] + s * (ATAN[7] + s * series)))
+    series = ATAN[0] + s * (ATAN[1] + s * (ATAN[2] + s * (ATAN[3] + s * series)))
+    theta = 2 * (arc + (u + u * (s * series)))
+    return math.pi - theta if cosine < 0 else theta
+
+
+@inlined
+def row(matrix, k):
+    """Row k of an n × 3 array as a tuple."""
+    return matrix[k, 0], matrix[k, 1], matrix[k, 2]
 
 
 @kernel
@@ -65,11 +109,12 @@ def load_at(flat, at):
 @kernel
 def store_at(r, flat, at):
     """Write a tuple into a flat array from `at` on."""
-    for i in range(9):
-        flat[at + i] = r[i]
+    flat[at], flat[at + 1], flat[at + 2] = r[0], r[1], r[2]
+    flat[at + 3], flat[at + 4], flat[at + 5] = r[3], r[4], r[5]
+    flat[at + 6], flat[at + 7], flat[at + 8] = r[6], r[7], r[8]
 
 
-@kernel
+@inlined
 def multiply(r, s):
     """r s."""
     return (
@@ -85,19 +130,19 @@ def multiply(r, s):
     )  # fmt: skip
 
 
-@kernel
+@inlined
 def apply(r, x, y, z):
     """r u."""
     return r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z
 
 
-@kernel
+@inlined
 def apply_inverse(r, x, y, z):
     """rᵀ u."""
     return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
 
 
-@kernel
+@inlined
 def orthonormal(r):
     """One Newton step to the nearest rotation, r(3I − rᵀr)/2: squares the drift that rounding left."""
     xx = (1 - r[0] * r[0] - r[3] * r[3] - r[6] * r[6]) / 2

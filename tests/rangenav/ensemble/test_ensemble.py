@@ -133,10 +133,10 @@ def test_random_starts_are_spread_evenly_over_the_rotations():
 def test_a_random_start_is_the_run_that_starts_there():
     p = shortened("paper-slow", 3.0)
     rng = np.random.default_rng(3)
-    rotations = Rotation.from_quat(rng.standard_normal((12, 4))).as_matrix()
-    every_run = ensemble.starts(p, 12, np.random.default_rng(3))
-    np.testing.assert_array_equal(every_run.seed, p.seed + np.arange(12) // 10)
-    for k in (0, 4, 11):
+    rotations = Rotation.from_quat(rng.standard_normal((42, 4))).as_matrix()
+    every_run = ensemble.starts(p, 42, np.random.default_rng(3))
+    np.testing.assert_array_equal(every_run.seed, p.seed + np.arange(42) // 40)
+    for k in (0, 19, 41):
         seed = int(every_run.seed[k])
         truth, z = record.simulated(record.truth_inputs(p)), record.measured(record.truth_inputs(p), p.sensors, seed)
         start = cascade.Start(state=np.zeros(13), rotation=rotations[k])

@@ -153,7 +153,7 @@ def test_noise_matched_covariance_stays_positive(name: str):
         cascade_kernel.run(
             state.packed, z.time[rows], z.gyro[rows], z.accel[rows], z.mag[rows], z.range_time[ranges], z.range[ranges],
             np.empty((n, 13)), np.empty((n, 4)), np.empty((n, 3, 3, 3)), np.empty((n, 3, 3)), np.empty(n),
-            np.empty(n, dtype=np.int8), innovation, 0, state.packed_parameters,
+            np.empty(n, dtype=np.int8), np.empty((n, 3)), innovation, 0, state.packed_parameters,
         )  # fmt: skip
         P = state.arrays.P.reshape(13, 13)
         np.testing.assert_array_equal(P, P.T)
