@@ -67,6 +67,7 @@ bench: $(VENV)/installed-bench
 	$(BIN)/python benchmarks/ensemble.py
 	$(BIN)/python benchmarks/starts.py
 	$(BIN)/python benchmarks/live.py
+	$(BIN)/python benchmarks/start.py
 
 clean:
 	rm -rf .venv .venv-* build

@@ -1,20 +1,28 @@
 """`rangenav-explorer`, or `python -m explorer`: serves the page on this machine and prints its address."""
 
+import contextlib
 import signal
 import sys
 import tempfile
 import threading
 import urllib.request
 import webbrowser
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from explorer.web.logs import configure
 from rangenav import preset
 from rangenav.inputs import require
+
+if TYPE_CHECKING:
+    import viser
+
+    from explorer.web.access.entrance import Entrance
+    from explorer.web.metrics import Metrics
 
 DEFAULT_PRESET = "paper-slow"
 STOPPING_SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -124,16 +132,40 @@ def serve(arguments: Arguments) -> None:
     server = open_server(
         arguments.host, arguments.port, url=arguments.url, entrance=entrance, metrics=metrics, visited=visited
     )
+    stopped = _stopping_signals()
+    page = addresses.link(server.get_port())
+    url = page if entrance is None else entrance.link(Role.TEACHER, page)
+    try:
+        with urllib.request.urlopen(addresses.own_link(server.get_port()) + "healthz", timeout=ANSWER_TIMEOUT):
+            print(url if entrance is None else invitation(entrance, page), flush=True)
+        if arguments.browser:
+            threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+        with _sessions(arguments, requested, server, entrance=entrance, metrics=metrics, visited=visited, page=page):
+            stopped.wait()
+    finally:
+        close_server(server)
+
+
+@contextlib.contextmanager
+def _sessions(
+    arguments: Arguments,
+    requested: preset.Preset,
+    server: "viser.ViserServer",
+    *,
+    entrance: "Entrance | None",
+    metrics: "Metrics",
+    visited: threading.Event,
+    page: str,
+) -> Iterator[None]:
+    """Everybody who comes has a page meanwhile. The imports are here, because the server answers by now."""
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
     from explorer.storage.work_files import WorkFiles
     from explorer.web.identity import Slots, connected
 
-    shipped = preset.shipped()  # the page answers by now
+    shipped = preset.shipped()
     first = _first_preset(shipped, requested, arguments.preset)
-    stopped = _stopping_signals()
     compilation, slots = Compilation(visited), Slots(lambda tab: connected(server, tab))
-    page = addresses.link(server.get_port())
     with tempfile.TemporaryDirectory(prefix="rangenav-class-", ignore_cleanup_errors=True) as class_folder:
         sessions = SessionServer(
             server,
@@ -151,17 +183,11 @@ def serve(arguments: Arguments) -> None:
                 class_folder=None if entrance is None else Path(class_folder),
             ),
         )
-        url = page if entrance is None else entrance.link(Role.TEACHER, page)
-        with urllib.request.urlopen(addresses.own_link(server.get_port()) + "healthz", timeout=ANSWER_TIMEOUT):
-            print(url if entrance is None else invitation(entrance, page), flush=True)
         compilation.start()
-        if arguments.browser:
-            threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
         try:
-            stopped.wait()
+            yield
         finally:
             sessions.stop()
-            close_server(server)
 
 
 def _stopping_signals() -> threading.Event:
