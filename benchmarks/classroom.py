@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import psutil
 from timing import Target, report, versions
 from visitor import Visitor
 
@@ -29,12 +28,11 @@ EVENTS, DRAG, EVERY = 10, 1.0, 10.0
 """Events of a drag, its length (s), and the time from one drag of a visitor to the next (s)."""
 QUIET = 10.0
 """s over which nobody moves, and then over which all play and nobody drags."""
-SETTLING = 20.0
+SETTLING = 12.0
 """s for the proofs of the first pictures and for the estimators to be compiled."""
 PLAYING, RATE, IDLE, LATENCY, PER_VISITOR, GROWTH = 1.5, 15.0, 0.1, 200.0, 5.0, 5.0
 """Bars: % of a core for a visitor who plays, frames a second, % of a core for one who does nothing, ms (p95) from an
 event to its picture, MB for a visitor, and MB by which all together may grow after the warm-up."""
-MB = 2**20
 
 
 @dataclass
@@ -55,13 +53,14 @@ class Class:
     def __init__(self, process: subprocess.Popen[str], count: int) -> None:
         assert process.stdout is not None
         self.port = int(process.stdout.readline().rstrip("/\n").rpartition(":")[2])
-        self._server = psutil.Process(process.pid)
+        self._process = Path("/proc") / str(process.pid)
         self.visitors = [Visitor(self.port) for _ in range(count)]
 
     @property
     def memory(self) -> float:
         """MB that the server's process has for itself."""
-        return self._server.memory_full_info().uss / MB
+        lines = (self._process / "smaps_rollup").read_text(encoding="ascii").splitlines()
+        return sum(int(line.split()[1]) for line in lines if line.startswith("Private_")) / 1024
 
     def errors(self) -> int:
         """Unforeseen errors that the server has counted."""
@@ -83,8 +82,8 @@ class Class:
         )
 
     def _processor_time(self) -> float:
-        spent = self._server.cpu_times()
-        return spent.user + spent.system
+        words = (self._process / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        return sum(map(int, words[11:13])) / os.sysconf("SC_CLK_TCK")
 
 
 @contextmanager

@@ -107,8 +107,11 @@ class Visitor:
                 if self._attends:
                     size = int.from_bytes(frame[HEADER : 2 * HEADER], "little")
                     packed = unpack.decompress(frame[2 * HEADER : 2 * HEADER + size])
+                    self._drawn = False
                     for message in msgspec.msgpack.decode(packed)["messages"]:
                         await self._take_in(message)
+                    if self._drawn:
+                        self._answer(time.perf_counter())
         except ConnectionClosed as reason:
             self.closed = str(reason)
 
@@ -118,8 +121,7 @@ class Visitor:
             updates = message["updates"]
             if message["uuid"] == self._box and "value" in updates:
                 self._shown = float(updates["value"])
-            elif "data" in updates and self._waiting:
-                self._answer(time.perf_counter())
+            self._drawn = self._drawn or "data" in updates
             if READY in str(updates.get("content", "")).replace(UNBROKEN, " "):
                 self._ready.set()
         elif name == "RegisterCommandMessage":
@@ -130,8 +132,8 @@ class Visitor:
         elif name.startswith("Gui") and message.get("props", {}).get("label"):
             self._ids.setdefault(message["props"]["label"], message["uuid"])
 
-    _shown = math.nan
-    """The value in the box beside the slider, which the session writes before it computes the picture of that value."""
+    _shown, _drawn = math.nan, False
+    """The value in the box beside the slider, and whether a plot was drawn; a picture brings both in one frame."""
 
     def _answer(self, now: float) -> None:
         """A picture has come, of the value in the box: it answers the event of that value, and those before it."""

@@ -118,9 +118,11 @@ def serve(arguments: Arguments) -> None:
     from explorer.web.access.invitation import codes_with, invitation
     from explorer.web.access.visitors import Role
     from explorer.web.addresses import Addresses
+    from explorer.web.allocation import give_back
     from explorer.web.metrics import Metrics
     from explorer.web.security import close_server, open_server
 
+    give_back()
     addresses = Addresses(arguments.host, arguments.url)
     entrance = None
     if not addresses.only_this_machine:
