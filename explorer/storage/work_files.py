@@ -29,8 +29,9 @@ MAX_BYTES = 2**21
 """The largest size of one file. A thousand waypoints in each of several drafts take a tenth of this size."""
 MAX_FILES, MAX_TOTAL = 200, 2**26
 """Files in the folder, and bytes of all of them; the oldest are removed first."""
-MAX_AGE = 90 * 86400.0
-"""s; the largest age of a file."""
+MAX_AGE, AGELESS = 90 * 86400.0, 50
+"""s; the largest age of a file, and how many of the newest files have no such limit: a clock that jumps makes all of
+them old at once."""
 MAX_KEPT = 50
 """Copies of one tab's file that no version has written over."""
 ABANDONED = 3600.0
@@ -48,6 +49,8 @@ class WorkFiles:
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = state_folder() / "work" if folder is None else folder
         self._saves, self._lock = 0, threading.Lock()
+        self._saved: dict[str, int] = {}
+        """The files written here, each with the number of its last save, which no clock can make older."""
         self.prune()
 
     def save(self, session_key: str, work: bytes) -> None:
@@ -62,6 +65,7 @@ class WorkFiles:
             raise StorageError(f"your work is not kept: {self.folder} cannot be written ({error.strerror})") from error
         with self._lock:
             self._saves += 1
+            self._saved[path.name] = self._saves
             due = self._saves % SAVES_PER_PRUNE == 0
         if due:
             self.prune()
@@ -100,14 +104,16 @@ class WorkFiles:
 
     def prune(self) -> None:
         """Remove files that are too old or too many, the oldest first. Files of other names are left alone."""
+        saved = self._saved
         try:
-            files = sorted(self._files(), reverse=True)
+            files = sorted(self._files(), key=lambda one: (saved.get(one[2].name, 0), one[0]), reverse=True)
         except OSError:  # there is no folder, or it cannot be read: the next save reports it
             return
         now, total = time.time(), 0
         for rank, (written, size, path) in enumerate(files):
             total += size
-            if rank >= MAX_FILES or total > MAX_TOTAL or now - written > MAX_AGE:
+            too_old = rank >= AGELESS and now - written > MAX_AGE
+            if rank >= MAX_FILES or total > MAX_TOTAL or too_old:
                 unlink(path)
 
     def _files(self) -> list[tuple[float, int, Path]]:

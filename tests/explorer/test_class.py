@@ -13,6 +13,7 @@ from explorer.shared import Compilation
 from explorer.web.access.codes import Codes
 from explorer.web.access.entrance import Entrance
 from explorer.web.security import open_server
+from rangenav import preset
 from tests.support.shared_server import shared
 from tests.support.waiting_visitor import newest
 from tests.support.wire import Wire
@@ -148,6 +149,42 @@ def test_frozen_pages_cannot_leave_and_get_their_work_back(one_class: Class) -> 
     one_class.teacher.press("End the presentation")
     student.wait_for(lambda: "rn-class" not in student.text(), "the end of the presentation")
     student.wait_for(lambda: _weight(one_class.students) == own, "the own work")
+
+
+def test_a_page_whose_boxes_hold_nonsense_follows_too_and_gets_its_last_valid_work_back(one_class: Class) -> None:
+    student, own = one_class.student, _weight(one_class.students)
+    student.set("noise seed", "many")
+    student.wait_for_text("“many” is not a number")
+    one_class.teacher.press("Present my page")
+    student.wait_for_text("You follow the teacher")
+    student.wait_for(lambda: _same(one_class) and "“many”" not in student.text(), "what the teacher shows")
+    one_class.teacher.press("End the presentation")
+    student.wait_for(lambda: "rn-class" not in student.text(), "the end of the presentation")
+    student.wait_for(lambda: _weight(one_class.students) == own, "the own work")
+
+
+def test_a_preset_of_the_teachers_own_is_offered_once_while_a_control_is_moved(presented: Class) -> None:
+    teacher, student, catalog = presented.teacher, presented.student, presented.students.catalog
+    teacher.set("title", "Mine alone")
+    teacher.press("keep", "save as")
+    teacher.wait_for_text("saved as")
+    before = set(catalog.presets)
+    for position, weight in ((1.0, 10.0), (2.0, 100.0), (1.5, 31.62)):
+        teacher.set(WEIGHT, position)
+        student.wait_for(lambda weight=weight: abs(_weight(presented.students) - weight) < 0.01, "the gain")
+    assert len(set(catalog.presets) - before) <= 1
+    assert len([name for name, one in catalog.presets.items() if one.title == "Mine alone"]) == 1
+    teacher.set("preset", f"{preset.load('paper-slow').title} (paper-slow)")
+    student.wait_for(lambda: _same(presented), "a preset that both have")
+
+
+def test_a_tab_of_the_teachers_that_does_not_present_ends_no_presentation(presented: Class) -> None:
+    second = Wire(presented.port, cookie=_cookie(presented.port, f"token {presented.codes.token}"))
+    session = newest(presented.sessions, second)
+    second.close()
+    session.thread.join()
+    assert presented.sessions.shared.classroom.state.shown is not None
+    assert "You follow the teacher" in presented.student.text()
 
 
 def test_what_is_sent_to_all_is_one_step_and_a_lesson_is_opened_for_all(one_class: Class) -> None:

@@ -16,7 +16,7 @@ MOMENT = 0.1
 """s between a change and the signal."""
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
 def test_what_was_changed_a_moment_before_a_signal_is_saved(tmp_path: Path, number: signal.Signals):
     server = ServerProcess(tmp_path)
     tab = server.connect(Storage())
@@ -26,6 +26,27 @@ def test_what_was_changed_a_moment_before_a_signal_is_saved(tmp_path: Path, numb
     assert server.end(number) == 0
     assert server.saved().settings.preset.seed == 7
     tab.close()
+
+
+def test_after_a_kill_every_session_comes_back_and_a_full_disk_is_said_and_loses_nothing(tmp_path: Path):
+    killed, seeds = ServerProcess(tmp_path), (31.0, 32.0)
+    tabs = [killed.connect(Storage()) for _ in seeds]
+    for tab, seed in zip(tabs, seeds, strict=True):
+        tab.set("noise seed", seed)
+    tabs[0].wait_for(lambda: sorted(one.settings.preset.seed for one in killed.all_saved()) == [*seeds], "the files")
+    assert killed.end(signal.SIGKILL) == -signal.SIGKILL
+    server = ServerProcess(tmp_path)
+    back = [server.connect(tab.storage) for tab in tabs]
+    assert [tab.value("noise seed") for tab in back] == ["31", "32"]
+    server.fill_disk(full=True)
+    back[0].set("noise seed", 33.0)
+    back[0].wait_for(lambda: any("work is not kept" in text for text in back[0].notifications), "a notice")
+    server.fill_disk(full=False)
+    assert server.end(signal.SIGTERM) == 0
+    assert sorted(one.settings.preset.seed for one in server.all_saved()) == [32, 33]
+    assert "Traceback" not in server.errors
+    for tab in (*tabs, *back):
+        tab.close()
 
 
 def test_the_work_of_a_newer_version_outlives_a_visit_and_the_page_says_where_it_is(

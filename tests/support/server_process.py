@@ -1,6 +1,7 @@
 """The page's program as a person starts it, in a process of its own, with its own folders; driven through `Wire`."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -29,8 +30,15 @@ class ServerProcess:
         environment = os.environ | {"RANGENAV_STATE": str(folder / "state"), "RANGENAV_DATA": str(folder / "data")}
         command = [sys.executable, "-m", "explorer", "--no-browser", "--port", "0"]
         self._process = subprocess.Popen(
-            command, env=environment, stdout=subprocess.PIPE, text=True, preexec_fn=_heed_signals
+            command,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=_heed_signals,
         )
+        self.errors = ""
+        """What the program had written to its standard error stream when it ended."""
         assert self._process.stdout is not None
         self.port = int(self._process.stdout.readline().rstrip("/\n").rpartition(":")[2])
 
@@ -47,9 +55,18 @@ class ServerProcess:
             return self._process.wait(END_TIMEOUT)
         finally:
             self._process.kill()
-            self._process.communicate()
+            self.errors = self._process.communicate()[1]
+
+    def fill_disk(self, *, full: bool) -> None:
+        """Have the system refuse every byte that the program writes to a file, or take it again."""
+        _, most = resource.prlimit(self._process.pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(self._process.pid, resource.RLIMIT_FSIZE, (0 if full else most, most))
 
     def saved(self) -> SavedWork:
         """The saved work of the only tab that there was."""
-        (file,) = self.work.glob("*.json")
-        return msgspec.json.decode(file.read_bytes(), type=SavedWork)
+        (work,) = self.all_saved()
+        return work
+
+    def all_saved(self) -> list[SavedWork]:
+        """The saved work of every tab."""
+        return [msgspec.json.decode(file.read_bytes(), type=SavedWork) for file in self.work.glob("*.json")]

@@ -4,6 +4,7 @@ It sends whatever a test asks for, also messages that the page itself never send
 """
 
 import re
+import socket
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -67,10 +68,17 @@ class Wire:
     """One connection, and all that the server has sent about controls and nodes of the scene."""
 
     def __init__(
-        self, port: int, *, origin: str | None = None, storage: Storage | None = None, cookie: str = ""
+        self,
+        port: int,
+        *,
+        origin: str | None = None,
+        storage: Storage | None = None,
+        cookie: str = "",
+        narrow: bool = False,
     ) -> None:
+        """narrow: whether next to nothing is taken from the system before it is read (see `stall`)."""
         self.elements: dict[str, dict[str, Any]] = {}
-        """Properties of every control that exists, by its id; with its value as "value"."""
+        """Properties of every control that exists, by its id; with its value as "value", and its kind as "message"."""
         self.counts: dict[str, int] = {}
         """How many messages of each type have come."""
         self.notifications: list[str] = []
@@ -91,12 +99,16 @@ class Wire:
         """The code with which the server ended the connection."""
         self._arrived = threading.Event()
         """Set when messages have been taken in: what waits looks again."""
+        self._reads = threading.Event()
+        self._reads.set()
         self._socket = connect(
             f"ws://127.0.0.1:{port}/",
             origin=Origin(origin or f"http://127.0.0.1:{port}"),
             subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
             max_size=None,
             additional_headers={"Cookie": cookie} if cookie else {},
+            sock=_narrow_socket(port) if narrow else None,
+            max_queue=1 if narrow else 16,
         )
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
@@ -221,8 +233,13 @@ class Wire:
         """Wait until the page shows a text."""
         self.wait_for(lambda: text in self.text(), repr(text))
 
+    def stall(self) -> None:
+        """Read nothing any more, as a browser whose machine sleeps; the server's pings are not answered either."""
+        self._reads.clear()
+
     def close(self) -> None:
         """Close the tab."""
+        self._reads.set()
         self._socket.close()
         self._listener.join()
 
@@ -235,6 +252,7 @@ class Wire:
                 for message in msgspec.msgpack.decode(packed)["messages"]:
                     self._take_in(message)
                 self._arrived.set()
+                self._reads.wait()
         except ConnectionClosed as closed:
             self.closed_with = closed.rcvd.code if closed.rcvd else None
 
@@ -258,7 +276,7 @@ class Wire:
         elif name == "FileTransferPart":
             self._take_in_part(message)
         elif name.startswith("Gui") and "props" in message:
-            self.elements[message["uuid"]] = message["props"] | {"value": message.get("value")}
+            self.elements[message["uuid"]] = message["props"] | {"value": message.get("value"), "message": name}
         elif "props" in message and "name" in message:
             place = {"position": (0.0, 0.0, 0.0), "visible": True, "owner": message["owner"], "type": name}
             self.nodes[message["name"]] = message["props"] | place
@@ -299,3 +317,11 @@ class Wire:
                 storage.tab[key] = value
             for key, source in COPIED.findall(message["source"]):
                 storage.shared[key] = storage.tab.get(source, "")
+
+
+def _narrow_socket(port: int) -> socket.socket:
+    """A connected socket that takes a few kilobytes before they are read."""
+    narrow = socket.socket()
+    narrow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    narrow.connect(("127.0.0.1", port))
+    return narrow

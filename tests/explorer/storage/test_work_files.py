@@ -138,7 +138,7 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_when_the_work_is_saved_and_n
 def test_pruning_keeps_the_newest_and_touches_only_its_own_files(saved: WorkFiles, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(work_files, "MAX_FILES", 3)
     session_keys = [new_browser_id() for _ in range(6)]
-    for age, session_key in enumerate(session_keys):
+    for age, session_key in reversed(list(enumerate(session_keys))):
         saved.save(session_key, b"work")
         _age(saved.folder / f"{session_key}.json", 100.0 * age)
     foreign = saved.folder / "notes.json"
@@ -151,15 +151,30 @@ def test_pruning_keeps_the_newest_and_touches_only_its_own_files(saved: WorkFile
 
 def test_pruning_removes_what_is_too_old_or_too_much_together(saved: WorkFiles, monkeypatch: pytest.MonkeyPatch):
     session_keys = [new_browser_id() for _ in range(4)]
-    for age, session_key in enumerate(session_keys):
+    for age, session_key in reversed(list(enumerate(session_keys))):
         saved.save(session_key, bytes(1000))
         _age(saved.folder / f"{session_key}.json", 10.0 * age)
     _age(saved.folder / f"{session_keys[3]}.json", work_files.MAX_AGE + 60)
+    saved.prune()
+    assert all(saved.load(session_key) for session_key in session_keys), "of few files age removes none"
+    monkeypatch.setattr(work_files, "AGELESS", 2)
     saved.prune()
     assert [saved.load(session_key) is not None for session_key in session_keys] == [True, True, True, False]
     monkeypatch.setattr(work_files, "MAX_TOTAL", 2500)
     WorkFiles(saved.folder)  # the constructor prunes
     assert [saved.load(session_key) is not None for session_key in session_keys] == [True, True, False, False]
+
+
+def test_the_clock_may_jump_back_and_what_was_saved_last_stays(saved: WorkFiles, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(work_files, "MAX_FILES", 3)
+    before, after = [[new_browser_id() for _ in range(3)] for _ in range(2)]
+    for session_key in before:
+        saved.save(session_key, b"work")
+    for session_key in after:
+        saved.save(session_key, b"work")
+        _age(saved.folder / f"{session_key}.json", 1e9)  # as a clock would have it that was set back
+    saved.prune()
+    assert [bool(saved.load(session_key)) for session_key in before + after] == [False] * 3 + [True] * 3
 
 
 def test_saving_prunes_at_regular_counts(saved: WorkFiles, monkeypatch: pytest.MonkeyPatch):
