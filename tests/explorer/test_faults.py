@@ -86,8 +86,10 @@ def test_a_job_that_fails_is_a_sentence_and_a_traceback_and_holds_nothing_up(
     def work(progress: Progress, cancelled: Cancelled) -> None:
         _broken()
 
-    jobs, form = visitor.session.jobs, visitor.session.form
-    form.do(lambda: jobs.start("a search", work, _broken, _broken))
+    def start() -> None:
+        visitor.session.jobs.start("a search", work, _broken, _broken)
+
+    visitor.session.form.do(start)
     visitor.tab.set("noise seed", "11")
     visitor.tab.wait_for(lambda: any("Internal error" in text for text in visitor.tab.notifications), "a sentence")
     visitor.tab.wait_for(lambda: visitor.settings.preset.seed == 11, "the change")
