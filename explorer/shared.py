@@ -22,6 +22,8 @@ from rangenav.preset import Preset
 
 ESTIMATORS_DELAY = 3.0
 """s between the two compilations: the first pictures need no estimator, and must not wait for one."""
+STUDENTS_ROOM, CLASS_ROOM = 10e6, 400e6
+"""Bytes of the presets that one student may have saved, and that all students together may have saved or deleted."""
 log = logging.getLogger(__name__)
 
 
@@ -106,7 +108,8 @@ class Shared:
         """The presets that a visitor has saved: students have their own, and do not see the teacher's."""
         if visitor is None or visitor.role is Role.TEACHER or self.class_folder is None:
             return self.library
-        return Library(self.class_folder / str(visitor.number))
+        folder = self.class_folder / str(visitor.number)
+        return Library(folder, rooms=((folder, STUDENTS_ROOM), (self.class_folder, CLASS_ROOM)))
 
     def forget_students(self) -> None:
         """Delete the presets that students have saved: the class is over."""

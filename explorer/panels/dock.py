@@ -145,7 +145,7 @@ class Dock:
     def _add_presets(self) -> ImportPanel:
         """Add the panels of the Presets tab; the one that imports is returned."""
         form, catalog, jobs = self.form, self._catalog, self._jobs
-        uploads = Uploads(form.gui, form.do)
+        uploads = Uploads(form.gui, form.do, form.visitor)
         self.presets = PresetsPanel(form, catalog, self, uploads, self._session)
         self.repair = RepairPanel(
             form,

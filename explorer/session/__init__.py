@@ -71,7 +71,8 @@ class Session:
         self._wake, self._stopped = threading.Event(), False
         self._turn = threading.Lock()
         """Held by whoever draws: the session's loop, or the shared clock for a frame."""
-        self.form = Form(client.gui, self._wake.set, shared.share_of(visitor))
+        number = 0 if visitor is None else visitor.number
+        self.form = Form(client.gui, self._wake.set, shared.share_of(visitor), number)
         self.jobs = self.form.new_jobs()
         self._in_class: Part = Alone()
         self._built = False

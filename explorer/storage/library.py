@@ -14,7 +14,7 @@ import hashlib
 import os
 import re
 import unicodedata
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 import platformdirs
@@ -46,8 +46,10 @@ class LibraryError(ValueError):
 class Library:
     """The files of one person. Threads and programs may share the folder; they change it one at a time."""
 
-    def __init__(self, folder: Path | None = None) -> None:
-        self.folder = data_folder() / "presets" if folder is None else folder
+    def __init__(self, folder: Path | None = None, rooms: Sequence[tuple[Path, float]] = ()) -> None:
+        """rooms: folders around the library, or its own, and the bytes that all files in each may have together. In its
+        own the trash is not counted: who deletes presets has room again."""
+        self.folder, self._rooms = data_folder() / "presets" if folder is None else folder, tuple(rooms)
         self._trash = Trash(self.folder / TRASH)
 
     def stamps(self) -> dict[str, tuple[int, int, int]]:
@@ -186,10 +188,19 @@ class Library:
         try:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             with _locked(self.folder / LOCK):
+                self._require_room(len(content))
                 yield
         except OSError as error:
             why = error.strerror or "unknown reason"
             raise LibraryError(f"your library was left as it was: {self.folder} cannot be written ({why})") from error
+
+    def _require_room(self, size: int) -> None:
+        for folder, most in self._rooms if size else ():
+            files = folder.glob("*") if folder == self.folder else folder.rglob("*")  # its own without the trash
+            held = sum(path.stat().st_size for path in files if path.is_file())
+            if held + size > most:
+                whose = "your library" if folder == self.folder else "the class"
+                raise LibraryError(f"not saved: {whose} has no room for more than {most / 1e6:g} MB of presets")
 
     def _path(self, name: str) -> Path:
         if not _is_file_name(name):

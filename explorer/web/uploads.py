@@ -1,4 +1,4 @@
-"""Uploads: one small file at a time from each visitor, and nothing about it is trusted. Checked against viser 1.1.1.
+"""Uploads: one small file at a time from each tab, and nothing about it is trusted. Checked against viser 1.1.1.
 
 viser collects whatever a browser sends, for any control and without limit, and makes it that control's value. Here a
 transfer is accepted only for a button of `Uploads.button`, and only if it states a size that is small enough. It
@@ -6,6 +6,7 @@ must send exactly as many bytes as stated, with its parts in order. A transfer t
 The names of files are only displayed: no file is opened by its name.
 """
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -14,6 +15,8 @@ from dataclasses import dataclass, field
 import viser
 from viser import _messages
 
+from explorer.web.bucket import Bucket
+
 MAX_BYTES = 20_000_000
 """The largest size of one file: about 100 000 lines of a log."""
 MAX_PART = 2**20
@@ -21,6 +24,8 @@ MAX_PART = 2**20
 MAX_PARTS = 64
 MAX_TOGETHER = 4
 """The largest number of simultaneous transfers of all visitors; together they hold at most 80 MB."""
+PER_VISITOR, PER_CLASS = (60e6, 1e5), (500e6, 2.5e5)
+"""Bytes that one visitor in a class, and all of them together, may upload at once, and per second after that."""
 STALLED = 20.0
 """s without a part, after which a transfer is dropped."""
 LONGEST_NAME = 80
@@ -46,43 +51,60 @@ class Transfer:
 
 
 class Traffic:
-    """Counts the transfers of all visitors; stalled ones do not count."""
+    """Counts the transfers of all visitors, of which stalled ones do not count, and the bytes of each in a class."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._last_part_at: dict[int, float] = {}
+        self._together = _full(PER_CLASS)
+        self._visitors: dict[int, Bucket] = {}
 
-    def enter(self, visitor: int) -> bool:
-        """Count a new transfer of this visitor. Returns False, and does not count it, if too many are running."""
+    def enter(self, tab: int, visitor: int, size: int) -> str:
+        """Count a new transfer of a tab, of so many bytes. Returns why it must wait, and then does not count it.
+
+        visitor: the number of the visitor in a class; 0 at this machine's own page, where bytes are not counted."""
         now = time.monotonic()
         with self._lock:
             self._last_part_at = {other: at for other, at in self._last_part_at.items() if now - at < STALLED}
             if len(self._last_part_at) >= MAX_TOGETHER:
-                return False
-            self._last_part_at[visitor] = now
-            return True
+                return f"{MAX_TOGETHER} files of others are on their way: try again in a moment"
+            if visitor:
+                own = self._visitors.setdefault(visitor, _full(PER_VISITOR))
+                for bucket, whose in ((own, "you have"), (self._together, "the class has")):
+                    wait = bucket.wait(now, size)
+                    if wait > 0:
+                        return f"{whose} uploaded very much: try again in {math.ceil(wait)} s"
+                for bucket in (own, self._together):
+                    bucket.take(size)
+            self._last_part_at[tab] = now
+            return ""
 
-    def record_part(self, visitor: int) -> None:
-        """Record that a part of this visitor's file has arrived."""
+    def record_part(self, tab: int) -> None:
+        """Record that a part of this tab's file has arrived."""
         with self._lock:
-            if visitor in self._last_part_at:
-                self._last_part_at[visitor] = time.monotonic()
+            if tab in self._last_part_at:
+                self._last_part_at[tab] = time.monotonic()
 
-    def leave(self, visitor: int) -> None:
-        """Record that the transfer of this visitor has ended."""
+    def leave(self, tab: int) -> None:
+        """Record that the transfer of this tab has ended."""
         with self._lock:
-            self._last_part_at.pop(visitor, None)
+            self._last_part_at.pop(tab, None)
+
+
+def _full(size_and_rate: tuple[float, float]) -> Bucket:
+    size, rate = size_and_rate
+    return Bucket(size=size, rate=rate, level=size, at=time.monotonic())
 
 
 TRAFFIC = Traffic()
 
 
 class Uploads:
-    """The upload buttons of one visitor, and the one transfer that may be running."""
+    """The upload buttons of one tab, and the one transfer that may be running."""
 
-    def __init__(self, gui: viser.GuiApi, do: Callable[[Callable[[], None]], None]) -> None:
-        """`do` queues an action for the session's loop."""
-        self._gui, self._do = gui, do
+    def __init__(self, gui: viser.GuiApi, do: Callable[[Callable[[], None]], None], visitor: int = 0) -> None:
+        """`do` queues an action for the session's loop. `visitor`: as in `Traffic.enter`."""
+        self._gui, self._do, self._visitor = gui, do, visitor
         self._callbacks: dict[str, tuple[Receive, Callable[[str], None]]] = {}
         self._transfer: Transfer | None = None
         wire = gui._websock_interface
@@ -122,9 +144,8 @@ class Uploads:
             return f"{name}: {parts} parts of {size} bytes are no file"
         if self._transfer is not None:
             return f"{name}: another file is on its way"
-        if not TRAFFIC.enter(id(self)):
-            return f"{name}: {MAX_TOGETHER} files of others are on their way: try again in a moment"
-        return None
+        busy = TRAFFIC.enter(id(self), self._visitor, size)
+        return f"{name}: {busy}" if busy else None
 
     def _part(self, client: int, message: _messages.FileTransferPart) -> None:
         transfer, content = self._transfer, message.content

@@ -71,8 +71,10 @@ class Progress(Protocol):
 class Form:
     """All sections of one visitor's docks, the queued actions, and the queues of jobs."""
 
-    def __init__(self, gui: viser.GuiApi, wake: Wake, share: Share | None = None) -> None:
-        """share: the visitor's share of the server's places for long work; None for places of the form's own."""
+    def __init__(self, gui: viser.GuiApi, wake: Wake, share: Share | None = None, visitor: int = 0) -> None:
+        """share: the visitor's share of the server's places for long work; None for places of the form's own.
+        visitor: the number of the visitor in a class; 0 at this machine's own page."""
+        self.visitor = visitor
         self.gui, self.wake, self._share = gui, wake, share or Places().share()
         self.sections: list[FormSection] = []
         self.progress: list[Progress] = []

@@ -215,6 +215,23 @@ def test_too_large_a_preset_and_too_many_presets_are_refused(own_presets: Librar
         own_presets.add("c", b"x")
 
 
+def test_neither_a_student_nor_a_class_fills_the_disk_and_what_was_saved_stays(tmp_path: Path):
+    def library(number: int) -> Library:
+        folder = tmp_path / str(number)
+        return Library(folder, rooms=((folder, 2500), (tmp_path, 4000)))
+
+    first, second = library(1), library(2)
+    names = [first.add(f"preset {k}", bytes(1000)) for k in range(2)]
+    with pytest.raises(LibraryError, match=r"not saved: your library has no room for more than 0\.0025 MB"):
+        first.add("one too many", bytes(1000))
+    second.add("mine", bytes(1000))
+    with pytest.raises(LibraryError, match=r"not saved: the class has no room for more than 0\.004 MB"):
+        second.add("one too many", bytes(1001))
+    assert list(first.stamps()) == names
+    first.delete(names[0], known=[edition(bytes(1000))])
+    assert first.add("again", bytes(100)) == "again", "who deletes a preset has room again"
+
+
 def test_the_trash_removes_the_oldest(own_presets: Library, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(trash, "MAX_FILES", 3)
     name = own_presets.add("path", b"0")
