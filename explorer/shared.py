@@ -24,6 +24,8 @@ ESTIMATORS_DELAY = 3.0
 """s between the two compilations: the first pictures need no estimator, and must not wait for one."""
 STUDENTS_ROOM, CLASS_ROOM = 10e6, 400e6
 """Bytes of the presets that one student may have saved, and that all students together may have saved or deleted."""
+MAX_BROWSERS = 3
+"""Browsers whose work is saved for one visitor of a class: one that forgets what it stored comes as another."""
 log = logging.getLogger(__name__)
 
 
@@ -97,12 +99,23 @@ class Shared:
     """Where each student's own presets lie until the class ends."""
     certifier: Certifier = field(default_factory=Certifier)
     _shares: dict[int, Share] = field(default_factory=dict)
+    _browsers: dict[int, set[str]] = field(default_factory=dict)
 
     def share_of(self, visitor: Visitor | None) -> Share:
         """A visitor's share of the places for long work: one for all tabs of a visitor of a class, else one a tab."""
         if visitor is None:
             return self.places.share()
         return self._shares.setdefault(visitor.number, self.places.share())
+
+    def keeps_work_of(self, visitor: Visitor | None, browser: str) -> bool:
+        """Whether the work of a browser is saved: a visitor of a class has one, and not a new one at each reload, which
+        would push out the work of others."""
+        if visitor is None:
+            return True
+        browsers = self._browsers.setdefault(visitor.number, set())
+        if len(browsers) < MAX_BROWSERS:
+            browsers.add(browser)
+        return browser in browsers
 
     def library_of(self, visitor: Visitor | None) -> Library:
         """The presets that a visitor has saved: students have their own, and do not see the teacher's."""

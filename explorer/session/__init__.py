@@ -265,7 +265,10 @@ class Session:
         """Show the work that this tab's visitor had. A preset that was requested on the command line is shown instead,
         and undo then brings the work back."""
         try:
-            work = self._autosave.restore(session_key(self._client, self.shared.slots))
+            key = session_key(self._client, self.shared.slots)
+            if key is not None and not self.shared.keeps_work_of(self._visitor, key.partition("-")[0]):
+                raise StorageError("Your work is not kept: you have come with too many browsers.")
+            work = self._autosave.restore(key)
         except StorageError as reason:
             self._outgoing.notify_about_work(str(reason))
             return

@@ -12,6 +12,7 @@ from explorer.session import Session
 from explorer.shared import Compilation
 from explorer.web.access.codes import Codes
 from explorer.web.access.entrance import Entrance
+from explorer.web.access.visitors import Role, Visitor
 from explorer.web.security import open_server
 from rangenav import preset
 from tests.support.shared_server import shared
@@ -185,6 +186,14 @@ def test_a_tab_of_the_teachers_that_does_not_present_ends_no_presentation(presen
     session.thread.join()
     assert presented.sessions.shared.classroom.state.shown is not None
     assert "You follow the teacher" in presented.student.text()
+
+
+def test_a_visitor_who_comes_with_ever_new_browsers_pushes_nobodys_work_out(one_class: Class) -> None:
+    joint, visitor = one_class.sessions.shared, Visitor(number=99, role=Role.STUDENT, until=1e9)
+    assert [joint.keeps_work_of(visitor, f"browser {k}") for k in (0, 0, 1, 2, 3, 4, 1)] == [True] * 4 + [False] * 2 + [
+        True
+    ]
+    assert joint.keeps_work_of(Visitor(number=98, role=Role.STUDENT, until=1e9), "browser 3")
 
 
 def test_what_is_sent_to_all_is_one_step_and_a_lesson_is_opened_for_all(one_class: Class) -> None:

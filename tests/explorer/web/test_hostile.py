@@ -193,6 +193,21 @@ def test_malformed_frames_are_ignored_with_a_line_each_and_end_a_connection_that
     honest.close()
 
 
+def test_a_connection_that_sends_too_much_is_read_slowly_and_holds_nobody_up(
+    server: viser.ViserServer, cookie: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    at_once, rate, sent = 3, 20.0, 9
+    monkeypatch.setattr(limits, "MESSAGES", (float(at_once), rate))
+    with _raw(server.get_port(), cookie) as tab:
+        began = time.monotonic()
+        for _ in range(sent):
+            tab.send("each of these is a line in the log")
+        assert _get(server, "/healthz")[0] == 200
+        assert len(caplog.records) < sent, "the answer did not wait for the messages"
+        assert _until(lambda: len(caplog.records) == sent)
+        assert time.monotonic() - began > (sent - at_once - 1) / rate
+
+
 def test_texts_fill_no_more_than_the_room_of_a_tab(
     server: viser.ViserServer, cookie: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
