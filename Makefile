@@ -68,6 +68,7 @@ bench: $(VENV)/installed-bench
 	$(BIN)/python benchmarks/starts.py
 	$(BIN)/python benchmarks/live.py
 	$(BIN)/python benchmarks/start.py
+	$(BIN)/python benchmarks/studies.py
 
 clean:
 	rm -rf .venv .venv-* build

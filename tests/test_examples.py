@@ -67,11 +67,11 @@ def connected(text: str) -> None:
 
 
 def mapped(text: str) -> None:
-    """Every point is valid, the best anchor meets the requirement of 2 m, and the picture is there."""
+    """Every point is valid, the best anchor meets the requirement of 0.15 m, and the picture is there."""
     assert "points: 49 in" in text
     assert "computed: 49 points, 0 of them invalid" in text
     (sigma,) = re.findall(rf"best anchor .*, {NUMBER} m", text)
-    assert 0 < float(sigma) < 2
+    assert 0 < float(sigma) <= 0.15
     assert "drawn: True" in text
 
 

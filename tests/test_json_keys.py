@@ -55,6 +55,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("keys")
     short = replace(preset.load("paper"), duration=8.0)
     preset.save(short, folder / "short.toml")
+    (folder / "study.toml").write_text(STUDY)
     soft = preset.load("soft")
     odd = replace(soft.sensors, noise=replace(soft.sensors.noise, range=0.0), unmodelled=Effects(gyro_bias=(0.1, 0, 0)))
     preset.save(replace(soft, sensors=odd), folder / "odd.toml")
@@ -69,6 +70,16 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+STUDY = """
+title = "keys"
+presets = ["short.toml"]
+metrics = ["speed", "settled"]
+[[parameters]]
+kind = "list"
+path = "sensors.range_rate"
+values = [50.0, -1.0]
+"""
+"""One valid point and one that is not."""
 RUNS: dict[tuple[str, ...], tuple[tuple[object, ...], ...]] = {
     ("presets",): (("presets",),),
     ("analyze",): (
@@ -104,6 +115,12 @@ RUNS: dict[tuple[str, ...], tuple[tuple[object, ...], ...]] = {
         ("log", "flight.csv", "--window", 8),
         ("log", "bare.csv", "--window", 8),
         ("log", "flight.csv", "--list-columns"),
+    ),
+    ("study",): (
+        ("study", "plan", "study.toml"),
+        ("study", "run", "study.toml", "-o", "s.zarr", "--workers", 1),
+        ("study", "show", "s.zarr"),
+        ("study", "export", "s.zarr", "--csv", "s.csv"),
     ),
     ("tune",): (("tune", "short.toml", "--runs", 2),),
 }

@@ -16,7 +16,19 @@ pytestmark = pytest.mark.slow
 SOURCE = Path(__file__).parent.parent
 BUILD_SECONDS = 300
 RUN_SECONDS = 120
-SLOW_IMPORTS = ("control", "matplotlib", "numba", "viser", "explorer", "scipy.signal", "sympy", "playwright")
+SLOW_IMPORTS = (
+    "control",
+    "matplotlib",
+    "numba",
+    "viser",
+    "explorer",
+    "scipy.signal",
+    "sympy",
+    "playwright",
+    "dask",
+    "zarr",
+    "xarray",
+)
 """None of these may be loaded by importing the library; some take seconds, others are no business of it."""
 
 
@@ -109,5 +121,6 @@ def test_the_version_is_the_same_in_the_package_and_in_its_metadata(scripts: Pat
 
 def test_importing_the_library_loads_nothing_slow_and_no_page() -> None:
     modules = [f"rangenav.{path.stem}" for path in (SOURCE / "rangenav").glob("*.py") if not path.stem.startswith("__")]
+    modules += [f"rangenav.studies.{name}" for name in ("store", "running", "export", "summary", "maps")]
     code = f"import sys, {', '.join(modules)}; print([name for name in {SLOW_IMPORTS} if name in sys.modules])"
     assert _run(sys.executable, "-c", code, cwd=SOURCE).stdout.strip() == "[]"

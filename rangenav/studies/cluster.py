@@ -8,7 +8,8 @@ from urllib.parse import urlsplit
 
 from rangenav.studies import extra, tasks
 
-DASHBOARD = "127.0.0.1:8787"
+DASHBOARD, NO_DASHBOARD = "127.0.0.1:8787", "127.0.0.1:0"
+"""The scheduler listens there for a browser; without a dashboard on any free port, which nobody is told."""
 CONNECT = "10s"
 """How long a scheduler may take to answer."""
 QUIET = logging.CRITICAL
@@ -53,7 +54,7 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=0,
-                dashboard_address=DASHBOARD if dashboard else None,
+                dashboard_address=DASHBOARD if dashboard else NO_DASHBOARD,
                 silence_logs=QUIET,
             ) as cluster,
             distributed.Client(cluster) as own,

@@ -1,6 +1,7 @@
 """A study's file names its points, their presets and their seeds; what does not fit is refused with its field."""
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 from rangenav import preset
 from rangenav.field_path import value
 from rangenav.studies import blocks, parameters, study, study_file, units
+from rangenav.studies.estimators import ESTIMATORS
+from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Linear, Listed, Log, LogNormal, Normal
 from rangenav.studies.study_file import LatinHypercube, Sobol, StudyFile
 
@@ -128,3 +131,16 @@ def test_the_parts_hold_every_point_once_and_none_has_too_many(shape: list[int],
     parts = [divided.indices(part) for part in range(divided.count)]
     assert sorted(np.concatenate(parts).tolist()) == list(range(int(np.prod(shape))))
     assert max(map(len, parts)) <= points
+
+
+def test_the_page_about_studies_names_every_metric_estimator_and_kind():
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "studies.md").read_text(encoding="utf-8")
+    kinds = [kind.__struct_config__.tag for kind in (*get_args(parameters.Parameter), *get_args(study_file.Design))]
+    assert [name for name in (*METRICS, *ESTIMATORS, *kinds) if f"`{name}`" not in page] == []
+
+
+def test_every_shipped_study_is_named_on_that_page_and_its_first_point_is_valid():
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "studies.md").read_text(encoding="utf-8")
+    for name in study.shipped():
+        assert f"`{name}`" in page
+        study.load(name).preset_at(0)
