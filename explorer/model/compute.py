@@ -96,9 +96,14 @@ class Picture:
         """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
         return _reduced(truth_inputs(self.preset), self.preset.requirement.window, self.analysis, self.settings.printed)
 
-    @cached_property
+    @property
     def at_rest(self) -> "Picture":
         """The same picture with as many windows as its curves need to be smooth, for when no hand moves."""
+        rests = len(self.analysis.windows.start) == WINDOWS
+        return self if rests else self._at_rest  # not cached where it is this one: a picture would hold itself
+
+    @cached_property
+    def _at_rest(self) -> "Picture":
         resting = self.judged_on(WINDOWS)
         AT_REST[_judged_inputs(self.preset)] = resting.analysis
         return resting

@@ -112,9 +112,11 @@ class Jobs:
             turn.wait()
             self._wake()
             job.result = job.work(progress, cancelled)
+        except (ValueError, CancelledError) as error:
+            job.error = error.with_traceback(None)  # which would hold this frame, and with it the job
         except Exception as error:
             job.error = error
         finally:
             turn.end()
-        job.finished = True
+        job.finished, job.turn = True, None  # the turn holds the job: what it has worked on goes with its last user
         self._wake()

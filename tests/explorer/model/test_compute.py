@@ -1,5 +1,7 @@
 """From settings to a picture: stages cached by their own inputs, switches that change what they claim."""
 
+import gc
+import weakref
 from dataclasses import fields, is_dataclass
 
 import msgspec
@@ -113,6 +115,17 @@ RECOMPUTED = [
 def moving():
     """No picture of another test is at rest: its windows would be kept."""
     stages.AT_REST.clear()
+
+
+def test_a_picture_at_rest_is_freed_with_its_last_user():
+    resting = compute(changed("gains.riccati.q", 123.0)).at_rest
+    assert resting.at_rest is resting
+    alive = weakref.ref(resting)
+    gc.disable()
+    del resting
+    freed = alive() is None
+    gc.enable()
+    assert freed
 
 
 def test_a_gain_keeps_the_windows_of_a_picture_at_rest_and_a_path_does_not():

@@ -1,7 +1,10 @@
 """Jobs: the result arrives in the loop that asks for it, unless the job was stopped or replaced."""
 
+import gc
 import threading
 import time
+import weakref
+from functools import partial
 
 import pytest
 
@@ -98,3 +101,38 @@ def test_bad_input_is_a_sentence_and_a_fault_is_raised_where_it_is_logged():
     with pytest.raises(ZeroDivisionError):
         jobs.deliver()
     assert jobs.running is None
+
+
+class Material:
+    """Something large that a job works on."""
+
+
+def _refuse(_material: Material) -> None:
+    raise ValueError("no")
+
+
+@pytest.mark.parametrize("ending", ["done", "refused", "cancelled"])
+def test_what_a_job_has_worked_on_is_freed_with_its_last_user(ending: str):
+    """Without waiting for the garbage collector: the pictures of thirty visitors would fill the memory meanwhile."""
+    jobs, material = Jobs(lambda: None), Material()
+    alive, go = weakref.ref(material), threading.Event()
+
+    def work(material, _progress, cancelled):
+        go.wait(5)
+        if cancelled():
+            raise CancelledError
+        if ending == "refused":
+            _refuse(material)
+
+    gc.disable()
+    try:
+        jobs.start("work", partial(work, material), lambda _: None, lambda _: None)
+        del material
+        if ending == "cancelled":
+            jobs.cancel()
+        go.set()
+        if ending != "cancelled":
+            _delivered(jobs)
+        _until(lambda: alive() is None)
+    finally:
+        gc.enable()
