@@ -14,6 +14,8 @@ from viser.infra._messages import wire_field_names
 
 LARGEST = 1e12
 """No number that a browser sends of the scene, the camera or a file is larger."""
+UNIT, LEAST = (1.0, 0.0, 0.0, 0.0), 1e-3
+"""The quaternion of no rotation, and the least length of one, and of the upward direction; the page sends 1."""
 ANY_NUMBER = ("GuiUpdateMessage", "SceneNodeDragMessage")
 """Messages whose receivers look at their numbers: a drag may end far beyond the horizon, and is then released."""
 EXPECTED: tuple[type[_messages.Message], ...] = (
@@ -73,9 +75,14 @@ def fault(frame: object) -> str | None:
     except (msgspec.DecodeError, RecursionError, ValueError):
         return "no msgpack"
     name = type(message).__name__
-    if name in ANY_NUMBER or all(_usable(getattr(message, field)) for field in message.__struct_fields__):
+    if name in ANY_NUMBER:
         return None
-    return f"{name} with a number that is none, or far too large"
+    if not all(_usable(getattr(message, field)) for field in message.__struct_fields__):
+        return f"{name} with a number that is none, or far too large"
+    has_length = all(math.hypot(*getattr(message, field, UNIT)) > LEAST for field in ("wxyz", "up_direction"))
+    if not (has_length and 0.0 < getattr(message, "fov", 1.0) < math.pi):
+        return f"{name} with a rotation or an angle of view that is none"
+    return None
 
 
 def _name(frame: bytes) -> str:

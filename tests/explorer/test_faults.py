@@ -3,6 +3,7 @@ else is disturbed."""
 
 import asyncio
 import errno
+import gc
 import itertools
 import logging
 import math
@@ -22,7 +23,7 @@ from explorer.web import limits
 from rangenav import preset
 from rangenav.progress import Cancelled, Progress
 from tests.support.waiting_visitor import Editing, arrived, newest
-from tests.support.wire import Storage, Wire
+from tests.support.wire import CAMERA, Storage, Wire
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +43,7 @@ HOSTILE = (
     2**62,
     "../../x",
 )
-PER_CONTROL = 4
+PER_CONTROL, NODES = 4, 40
 BUTTONS = ("GuiButtonMessage", "GuiUploadButtonMessage")
 UNITS = "show gains as"
 """The only menu among the settings that an opened preset leaves alone."""
@@ -184,6 +185,43 @@ def test_whatever_is_sent_for_whatever_control_the_session_lives_on(
     assert not [record for record in caplog.records if record.levelno >= logging.ERROR]
     assert not any(record.exc_info for record in caplog.records)
     tab.close()
+
+
+def test_whatever_is_sent_of_whatever_node_or_command_the_session_lives_on(
+    sessions: tuple[int, SessionServer], visitor: Editing, caplog: pytest.LogCaptureFixture
+) -> None:
+    tab = visitor.tab
+    far, nowhere = (1e11, -1e11, 0.0), {"name": "/nowhere", "owner": ""}
+    ray = {"ray_origin": far, "ray_direction": (0.0, 0.0, 0.0), "modifier": "alt"}
+    named = [{"name": name, "owner": node["owner"]} for name, node in list(tab.nodes.items())][:NODES]
+    for node in (*named, nowhere):
+        pose = {"wxyz": (0.0, 0.0, 0.0, 7.0), "position": far}
+        drag = {"instance_index": -7, "start_position": far, "start_screen_pos": (9.0, -9.0), "end_position": far}
+        drag |= {"end_screen_pos": (9.0, -9.0), "button": "right", "modifier": "alt"}
+        for phase in ("end", "update", "start", "start", "update"):
+            tab.send({"type": "SceneNodeDragMessage", "phase": phase, **drag, **node})
+        tab.send({"type": "SceneNodeClickMessage", "instance_index": 99, "screen_pos": (9.0, 9.0), **ray, **node})
+        for name in ("DragEnd", "Update", "DragStart"):
+            tab.send({"type": f"TransformControls{name}Message", **(pose if name == "Update" else {}), **node})
+    for places in ((), ((9.0, 9.0),), ((0.1, 0.1),) * 7):
+        for event in ("click", "rect-select"):
+            tab.send({"type": "ScenePointerMessage", "event_type": event, "screen_pos": places, **ray})
+    button = next(uuid for uuid, shown in tab.elements.items() if shown["message"] == "GuiButtonMessage")
+    for uuid in ("nobody", button, tab.find("noise seed")):
+        tab.send({"type": "GuiButtonHoldMessage", "uuid": uuid, "frequency": -1.0})
+        tab.send({"type": "CommandTriggerMessage", "uuid": uuid})
+        tab.send({"type": "LocalStorageGetItemResponseMessage", "value": "x", "error": None, "request_uuid": uuid})
+        tab.send({"type": "GetRenderResponseMessage", "payload": b"no picture", "render_uuid": uuid})
+    degenerate = {"position": far, "look_at": far, "near": 0.0, "far": 0.0, "image_height": 0, "image_width": -1}
+    for nothing in ({"fov": 0.0}, {"wxyz": (0.0, 0.0, 0.0, 0.0)}, {"up_direction": (0.0, 0.0, 0.0)}, {"fov": 1e-9}):
+        tab.send(CAMERA | degenerate | nothing)
+    visitor.set("noise seed", "42")
+    assert visitor.settings.preset.seed == 42
+    tab.send(CAMERA)
+    visitor.set("noise seed", "43")
+    gc.collect()  # an error in a task is logged when the task goes
+    assert not any("Internal error" in text for text in tab.notifications)
+    assert not [record for record in caplog.records if record.levelno >= logging.ERROR]
 
 
 def test_a_browser_that_reads_nothing_takes_bounded_memory_and_holds_nobody_up(

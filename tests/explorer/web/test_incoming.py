@@ -53,6 +53,8 @@ def test_what_the_page_sends_has_no_fault(message: dict[str, Any]) -> None:
         (CAMERA | {"position": (1.0, 2.0)}, "ViewerCameraMessage without its fields, or with others"),
         (VALUE | {"updates": SECRET}, "GuiUpdateMessage without its fields, or with others"),
         (CAMERA | {"look_at": (0.0, 0.0, math.nan)}, "ViewerCameraMessage with a number that is none, or far too"),
+        (CAMERA | {"wxyz": (0.0, 0.0, 0.0, 0.0)}, "ViewerCameraMessage with a rotation or an angle of view that is"),
+        (CAMERA | {"fov": 0.0}, "ViewerCameraMessage with a rotation or an angle of view that is none"),
         (CAMERA | {"image_width": 2**60}, "ViewerCameraMessage with a number that is none, or far too large"),
     ],
 )
