@@ -3,7 +3,6 @@
 import contextlib
 import signal
 import sys
-import tempfile
 import threading
 import urllib.request
 import webbrowser
@@ -162,13 +161,14 @@ def _sessions(
     """Everybody who comes has a page meanwhile. The imports are here, because the server answers by now."""
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
+    from explorer.storage.class_folder import class_folder
     from explorer.storage.work_files import WorkFiles
     from explorer.web.identity import Slots, connected
 
     shipped = preset.shipped()
     first = _first_preset(shipped, requested, arguments.preset)
     compilation, slots = Compilation(visited), Slots(lambda tab: connected(server, tab))
-    with tempfile.TemporaryDirectory(prefix="rangenav-class-", ignore_cleanup_errors=True) as class_folder:
+    with class_folder() if entrance is not None else contextlib.nullcontext() as students_folder:
         sessions = SessionServer(
             server,
             Shared(
@@ -182,7 +182,7 @@ def _sessions(
                 compilation=compilation,
                 work_files=WorkFiles(),
                 slots=slots,
-                class_folder=None if entrance is None else Path(class_folder),
+                class_folder=students_folder,
             ),
         )
         compilation.start()
