@@ -12,11 +12,11 @@ from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.model.drawn import Drawn
 from explorer.model.playback import STEP, Playback
-from explorer.web.elements import element_id
+from explorer.web.elements import element_id, of_kind
 from explorer.widgets import typed_number
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import when_moved
-from explorer.widgets.dials import BOX_LABEL, placed
+from explorer.widgets.dials import BOX_LABEL
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
 from rangenav import window_text
@@ -91,9 +91,10 @@ class TimelinePanel:
             self._section = Section(form)
             with self._section:
                 hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
-                self._slider = form.gui.add_slider(TIME, 0.0, _end(playback.duration), TICK, 0.0, hint=hint)
-                self._box = form.gui.add_text(f"{TIME}: {BOX_LABEL}", "0")
-                form.gui.add_html(placed(self._slider, self._box))
+                with of_kind("rn-slider-"):
+                    self._slider = form.gui.add_slider(TIME, 0.0, _end(playback.duration), TICK, 0.0, hint=hint)
+                with of_kind("rn-box-number-"):
+                    self._box = form.gui.add_text(f"{TIME}: {BOX_LABEL}", "0")
             self._buttons = form.gui.add_html("")
             form.gui.add_html(KEEP_CAMERA_STILL)
         when_moved(self._slider, lambda: form.do(self._seek, step=False))

@@ -1,12 +1,37 @@
 """A control in the browser's page: its identity, by which a style reaches it, and its place. Checked against viser
-1.1.1."""
+1.1.1.
 
+viser names the element of a control by a random id. Within `of_kind` that id begins with a kind, so that one rule of
+page.css reaches all controls of the kind. A rule of its own for each control would make a page of 60 numbers slow: at
+every change the browser holds every element against every rule.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from importlib import import_module
 from typing import Any, Literal
 
 import viser
 
+Kind = Literal["", "rn-slider-", "rn-box-number-", "rn-x-", "rn-box-y-", "rn-box-z-"]
+"""How page.css knows a slider with a box for its number, that box, and the three boxes of a vector."""
+_kind: ContextVar[Kind] = ContextVar("kind of the elements that are added", default="")
+_gui_api: Any = import_module("viser._gui_api")
+_random_id = _gui_api._make_uuid
+_gui_api._make_uuid = lambda: _kind.get() + _random_id()
 Step = tuple[Literal["tab", "folder"], str]
 """A tab or a folder to be opened, by its label."""
+
+
+@contextmanager
+def of_kind(kind: Kind) -> Iterator[None]:
+    """The controls that are added in this context are of a kind."""
+    token = _kind.set(kind)
+    try:
+        yield
+    finally:
+        _kind.reset(token)
 
 
 def element_id(handle: viser.GuiInputHandle) -> str:

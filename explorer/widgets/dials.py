@@ -1,8 +1,8 @@
 """Dials: a slider, and beside it a box that shows and takes the number itself; linear, or over powers of ten.
 
 viser's own box beside a slider cuts what is out of range, drops the e of 5e3, and on a logarithmic slider holds the
-exponent. It is hidden, and a text box stands in its place. What is typed stays as it was typed; the model refuses what
-is out of range, and the reason appears below the control.
+exponent. It is hidden, and a text box stands in its place (page.css). What is typed stays as it was typed; the model
+refuses what is out of range, and the reason appears below the control.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import Literal
 
 import viser
 
-from explorer.web.elements import element_id
+from explorer.web.elements import element_id, of_kind
 from explorer.widgets import typed_number
 from explorer.widgets.controls import CHANGED, Control
 from explorer.widgets.section import Section
@@ -25,25 +25,10 @@ DIGITS = 4
 """Significant digits of a value in a caption, and of one that a slider has made."""
 ROUNDED = 9
 """Decimals to which a number in another unit is compared with its limits: what is beyond is rounding."""
-MAX_TEXT, BOX_WIDTH = 8, "4.4rem"
-"""Characters that the box shows of a long number, and its width."""
+MAX_TEXT = 8
+"""Characters that the box shows of a long number."""
 BOX_LABEL = "number"
 """Behind the slider's label, the label of the box. It is read aloud, and not seen."""
-PLACED = (
-    '<style>[id="{slider}"]{{margin:0 calc({width} + 0.6rem) 0.7rem 0}}'
-    '[id="{slider}"] + .mantine-NumberInput-root, [id="{slider}"] .mantine-Slider-label{{display:none}}'
-    'div:has(> div > p > label[for="{slider}"]){{align-items:flex-end !important;min-height:1.65rem}}'
-    'div:has(> div > div > p > label[for="{box}"]){{margin-top:calc(-1.65rem - 0.5em);pointer-events:none}}'
-    'div:has(> div > p > label[for="{box}"]){{justify-content:flex-end}}'
-    'div:has(> p > label[for="{box}"]){{position:absolute !important;width:1px !important;overflow:hidden;opacity:0}}'
-    'div:has(> p > label[for="{box}"]) + div{{flex:0 0 {width} !important;pointer-events:auto}}</style>'
-)
-"""Places the box at the right end of the row of its slider. The label of the box is kept for readers of the screen."""
-
-
-def placed(slider: viser.GuiSliderHandle[float], box: viser.GuiTextHandle) -> str:
-    """The style that puts a box at the right end of the row of its slider, in place of viser's own."""
-    return PLACED.format(slider=element_id(slider), box=element_id(box), width=BOX_WIDTH)
 
 
 class DialControl(Control[float]):
@@ -62,9 +47,10 @@ class DialControl(Control[float]):
     ) -> None:
         """`first` is the value shown first."""
         low, high = positions
-        self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint, marks=marks)
-        self._box = section.gui.add_text(f"{label}: {BOX_LABEL}", "")
-        section.gui.add_html(placed(self._slider, self._box))
+        with of_kind("rn-slider-"):
+            self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint, marks=marks)
+        with of_kind("rn-box-number-"):
+            self._box = section.gui.add_text(f"{label}: {BOX_LABEL}", "")
         self._exact, self._source = first, "exact"
         self._seen_position, self._seen_text = low, ""
         self._shown: tuple[float, str] = self._seen_position, self._seen_text

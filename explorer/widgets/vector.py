@@ -6,7 +6,7 @@ was typed; the model refuses what is out of range, and the reason appears below 
 
 import viser
 
-from explorer.web.elements import element_id
+from explorer.web.elements import Kind, of_kind
 from explorer.widgets import typed_number
 from explorer.widgets.controls import Control
 from explorer.widgets.section import Section
@@ -15,28 +15,9 @@ from rangenav.inputs import Vec3
 AXES = ("x", "y", "z")
 MAX_TEXT = 8
 """Characters that a box shows of a long number."""
-LABEL_WIDTH, GAP, HEIGHT = "6.6em", "0.25rem", "1.65rem"
-WIDTH = f"((100% - {LABEL_WIDTH} - 2 * {GAP}) / 3)"
-"""CSS, of one box, by the width of the row."""
-FIRST = (
-    'div:has(> div > p > label[for="{box}"]){{align-items:flex-end !important;min-height:{height}}}'
-    'div:has(> p > label[for="{box}"]){{width:{label} !important}}'
-)
-"""The row of the label and of the box x."""
-OTHERS = (
-    'div:has(> div > div > p > label[for="{box}"]){{margin-top:calc(-{height} - 0.5em);pointer-events:none}}'
-    'div:has(> div > p > label[for="{box}"]){{justify-content:flex-end}}'
-    'div:has(> p > label[for="{box}"]){{position:absolute !important;width:1px !important;overflow:hidden;opacity:0}}'
-)
-"""The boxes y and z are drawn up into the row of x; their labels are kept for readers of the screen."""
-EACH = (
-    'div:has(> p > label[for="{box}"]) + div{{flex:0 0 calc({width}) !important;position:relative;pointer-events:auto;'
-    "margin:0 calc({after} * ({width} + {gap})) 0 auto}}"
-    'div:has(> p > label[for="{box}"]) + div::before{{content:"{axis}";position:absolute;left:0.45em;top:50%;'
-    "transform:translateY(-50%);z-index:2;font-size:max(0.75em, var(--rn-least, 0px));opacity:0.7;pointer-events:none}}"
-    'div:has(> p > label[for="{box}"]) + div input{{padding:0 0.2em 0 1.25em !important}}'
-)
-"""Width and place of a box, with the letter of its axis."""
+KINDS: tuple[Kind, Kind, Kind] = ("rn-x-", "rn-box-y-", "rn-box-z-")
+"""Of the boxes: page.css draws those for y and z up into the row of x, and keeps their labels for readers of the
+screen."""
 
 
 class Vector(Control[Vec3]):
@@ -44,9 +25,9 @@ class Vector(Control[Vec3]):
 
     def __init__(self, section: Section, label: str, *, hint: str, scale: float = 1.0) -> None:
         self._scale = scale
-        gui = section.gui
-        self._boxes = tuple(gui.add_text(box_label(label, axis), "0", hint=hint) for axis in AXES)
-        gui.add_html(f"<style>{''.join(_placed(box, k) for k, box in enumerate(self._boxes))}</style>")
+        self._boxes = tuple(
+            _box(section, box_label(label, axis), kind, hint) for axis, kind in zip(AXES, KINDS, strict=True)
+        )
         self._exact: Vec3 = (0.0, 0.0, 0.0)
         self._shown: tuple[str, ...] = ("0", "0", "0")
         """The texts of the value that was written. Where one of them stands, the exact component is meant."""
@@ -106,15 +87,6 @@ def box_label(label: str, axis: str) -> str:
     return label if axis == AXES[0] else f"{label}: {axis}"
 
 
-def _placed(box: viser.GuiInputHandle[str], k: int) -> str:
-    """The style that places a box."""
-    style = (OTHERS if k else FIRST) + EACH
-    return style.format(
-        box=element_id(box),
-        axis=AXES[k],
-        after=len(AXES) - 1 - k,
-        width=WIDTH,
-        gap=GAP,
-        height=HEIGHT,
-        label=LABEL_WIDTH,
-    )
+def _box(section: Section, label: str, kind: Kind, hint: str) -> viser.GuiTextHandle:
+    with of_kind(kind):
+        return section.gui.add_text(label, "0", hint=hint)

@@ -107,16 +107,23 @@ def smallest_tones(
     tries = iter(range(int(WORK / work))) if tries is None else tries
     spread = WHOLE if repeats else SPREAD
     for chosen in directions(preset, at):
-        every = (_smallest(preset, chosen, w, tries, spread) for w in candidates(preset, repeats=repeats))
-        trial = [reached for reached in every if reached is not None]
-        if trial:
-            return min(trial, key=effort)
+        least: Added | None = None
+        for w in candidates(preset, repeats=repeats):
+            reached = _smallest(preset, chosen, w, tries, spread, math.inf if least is None else effort(least))
+            if reached is not None and (least is None or effort(reached) < effort(least)):
+                least = reached
+        if least is not None:
+            return least
     return None
 
 
 def effort(added: Added) -> float:
     """The size of a change: amplitude in metres plus acceleration in units of standard gravity."""
-    return added.amplitude * (1 + math.hypot(*(w**2 for w in added.frequencies)) / STANDARD_GRAVITY)
+    return _effort(added.amplitude, added.frequencies)
+
+
+def _effort(amplitude: float, frequencies: Sequence[float]) -> float:
+    return amplitude * (1 + math.hypot(*(w**2 for w in frequencies)) / STANDARD_GRAVITY)
 
 
 def directions(preset: Preset, at: float) -> list[tuple[Array, ...]]:
@@ -166,9 +173,17 @@ def longest_side(preset: Preset) -> float:
 
 
 def _smallest(
-    preset: Preset, directions: tuple[Array, ...], w: float, tries: Iterator[int], spread: tuple[float, ...]
+    preset: Preset,
+    directions: tuple[Array, ...],
+    w: float,
+    tries: Iterator[int],
+    spread: tuple[float, ...],
+    most_effort: float,
 ) -> Added | None:
-    """The smallest amplitude at these frequencies, rounded up to two digits; None if no amplitude is enough."""
+    """The smallest amplitude at these frequencies, rounded up to two digits; None if no amplitude is enough.
+
+    None as soon as whatever is enough takes more than `most_effort`.
+    """
     frequencies = tuple(float(f"{w * factor:.12g}") for factor in spread[: len(directions)])
 
     most = max(MOST_AMPLITUDE, MOST_OF_PATH * longest_side(preset))
@@ -182,8 +197,12 @@ def _smallest(
         low, high = high, high * 3
         if best is None or best.figures.worst_excess > 0 or high > most:
             return None  # already beyond the vehicle's limits
+        if _effort(low, frequencies) > most_effort:
+            return None
         best = trial(high)
     while high / low > FINE:
+        if _effort(low, frequencies) > most_effort:
+            return None
         middle = math.sqrt(low * high)
         reached = trial(middle)
         if _serves(reached, preset):

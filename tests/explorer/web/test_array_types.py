@@ -1,6 +1,6 @@
 """viser's setters convert and compare what is assigned as they did before the types of arrays were built once."""
 
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -35,3 +35,11 @@ def test_arrays_are_converted_colours_become_bytes_and_equal_values_are_not_sent
     assert len(page.messages) == 3
     line.points = points + 1.0
     assert len(page.messages) == 3
+
+
+def test_the_types_of_properties_are_those_that_are_annotated_and_each_is_built_once(page: Page) -> None:
+    array_types.build_once()
+    one: Any = page.gui.add_text("x", "")
+    other: Any = page.gui.add_text("y", "")
+    assert one._prop_hints == get_type_hints(type(one._impl.props))
+    assert other._prop_hints is one._prop_hints
