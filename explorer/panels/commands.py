@@ -21,14 +21,16 @@ KEYS = (
 class Commands:
     """The commands of one visitor, and the hints of all labels."""
 
-    def __init__(self, client: viser.ClientHandle, form: Form, notify: Callable[[str, str], None]) -> None:
-        """`notify` shows a title and a sentence for a few seconds."""
+    def __init__(
+        self, client: viser.ClientHandle, form: Form, notify: Callable[[str, str], None], *, in_class: bool = False
+    ) -> None:
+        """`notify` shows a title and a sentence for a few seconds. in_class: whether there is the tab of a class."""
         self._client, self._form, self._notify = client, form, notify
         hints = {control.name: control.handle.hint for control in self._controls()}
         shown = {label: hint for label, hint in hints.items() if hint}
         keys.install(client, shown)
         accessibility.install(client, form.hints | shown)
-        for tab in TABS:
+        for tab in (*TABS, *(("Class",) if in_class else ())):
             self._go(f"{tab} tab", [("tab", tab)], "")
         for name in hints:
             form.command(f"Control: {name}", partial(self.go_to_control, name), step=False)

@@ -44,7 +44,7 @@ from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
 from explorer.web import connection, places
-from explorer.web.access.visitors import Visitor
+from explorer.web.access.visitors import Role, Visitor
 from explorer.web.door import Door
 from explorer.web.frames import Flight, Frames
 from explorer.web.identity import session_key
@@ -190,7 +190,7 @@ class Session:
         client = self._client
         set_theme(client, dark=False)
         client.gui.set_panel_label("rangenav")
-        self._door = Door(client, self._wake.set, welcome=not (self.shared.requested or self.shared.lesson))
+        self._door = Door(client, self._wake.set, welcome=self._is_welcomed)
         actions = SessionActions(
             restart_preset=self._restart_preset,
             show_paper_figures=self._show_paper_figures,
@@ -231,7 +231,9 @@ class Session:
             wake=self._wake.set,
         )
         self._in_class = part_in_class(visit, self.shared)
-        self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
+        self._appearance = Appearance(
+            client, self.dock, self.charts, scene, self._display, in_class=self._visitor is not None
+        )
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
         self._actions |= camera_panel.actions
         self._actions |= self._in_class.actions
@@ -249,13 +251,21 @@ class Session:
         }
         self.form.command("Copy a link to this page", self._address.copy_link, step=False)
         with client.atomic():
-            self._commands = commands = Commands(client, self.form, self._outgoing.notify)
+            self._commands = commands = Commands(
+                client, self.form, self._outgoing.notify, in_class=self._visitor is not None
+            )
             commands.add_plots(GROUP_TITLES)
             commands.add_presets({name: p.title for name, p in self.shared.shipped.items()}, self._open)
             commands.add_lessons(self.dock.learn.titles, self.dock.learn.open_number)
-        places.install(self._client)
+        places.install(self._client, first=self._in_class.first_tab)
         self._built = True
         self._restore()
+
+    @property
+    def _is_welcomed(self) -> bool:
+        """Whether a new visitor gets the card; a teacher sees the tab of the class at once."""
+        teaches = self._visitor is not None and self._visitor.role is Role.TEACHER
+        return not (self.shared.requested or self.shared.lesson or teaches)
 
     def _escape(self, handles: DragHandles) -> None:
         self.charts.close_large()

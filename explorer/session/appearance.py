@@ -17,6 +17,8 @@ WIDE = 1200
 """px: from this width of the window on, the dock of controls has its full width."""
 NARROW_SHARE, BIG_SHARE = 0.84, 1.3
 """The dock's width in a narrower window, and with big type, by its full width."""
+CLASS_SHARE = 1.13
+"""The same in a class, whose dock has a tab more: all tabs stay in one row."""
 
 
 AROUND_SCENE = 140
@@ -31,12 +33,21 @@ class Appearance:
     """The look of one visitor's page."""
 
     def __init__(
-        self, client: viser.ClientHandle, controls: Dock, charts: Charts, scene: Scene, display: Display
+        self,
+        client: viser.ClientHandle,
+        controls: Dock,
+        charts: Charts,
+        scene: Scene,
+        display: Display,
+        *,
+        in_class: bool = False,
     ) -> None:
+        """in_class: whether the dock has the tab of a class."""
         self._client, self._controls, self._charts = client, controls, charts
         self._scene, self._display = scene, display
         self._window: Window | None = None
         self._veiled: frozenset[str] = frozenset()
+        self._in_class = in_class
         self._dark, self._controls_width = False, dock.WIDTH
 
     def follow(self, window: Window | None, *, guest: bool = False) -> None:
@@ -57,7 +68,7 @@ class Appearance:
         if self._dark != ("dark" in window.flags):
             self._dark = not self._dark
             set_theme(self._client, dark=self._dark)
-        width = controls_width(window.width, big=big)
+        width = controls_width(window.width, big=big, in_class=self._in_class)
         if width != self._controls_width:
             self._controls_width = width
             self._client.gui.main_panel.set_width(width)
@@ -72,8 +83,9 @@ def set_theme(client: viser.ClientHandle, *, dark: bool) -> None:
     client.gui.configure_theme(show_logo=False, show_share_button=False, dark_mode=dark)
 
 
-def controls_width(width: float, *, big: bool) -> int:
-    """px of the dock of controls in a window of this width (CSS px)."""
+def controls_width(width: float, *, big: bool, in_class: bool = False) -> int:
+    """px of the dock of controls in a window of this width (CSS px); in a class it has a tab more."""
+    full = dock.WIDTH * (CLASS_SHARE if in_class else 1.0)
     if width < WIDE:
-        return round(NARROW_SHARE * dock.WIDTH)
-    return round(BIG_SHARE * dock.WIDTH) if big else dock.WIDTH
+        return round(NARROW_SHARE * full)
+    return round(BIG_SHARE * full) if big else round(full)

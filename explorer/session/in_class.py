@@ -12,7 +12,7 @@ from explorer.lessons import course
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings
-from explorer.panels.classroom import ClassActions, ClassPanel
+from explorer.panels.classroom import ClassActions, ClassPanel, OverScene
 from explorer.panels.classroom.student import StudentPanel
 from explorer.panels.dock import Dock
 from explorer.panels.session_actions import SessionActions
@@ -54,6 +54,11 @@ class Part(Protocol):
         ...
 
     @property
+    def first_tab(self) -> str:
+        """The tab that is in front at first, by its label; empty for the first one."""
+        ...
+
+    @property
     def actions(self) -> dict[str, Action]:
         """What the page's own buttons do, by the names that they send."""
         ...
@@ -82,7 +87,7 @@ class Part(Protocol):
 class Alone:
     """No class."""
 
-    following = False
+    following, first_tab = False, ""
 
     @property
     def actions(self) -> dict[str, Action]:
@@ -98,14 +103,14 @@ class Alone:
 class TeachersPart:
     """The Class tab, and the presentation."""
 
-    following = False
+    following, first_tab = False, "Class"
 
     def __init__(self, visit: Visit, shared: Shared) -> None:
         assert shared.entrance is not None, "a class has an entrance"
-        self.actions: dict[str, Action] = {}
         dock, actions = visit.dock, visit.actions
         self._presenter = Presenter(visit.client, dock, visit.playback, shared.classroom)
         lessons = {lesson.number: lesson.header.title for lesson in course().lessons}
+        over_scene = OverScene(bar=visit.client.gui.add_html(""), card=visit.client.gui.add_html(""))
         with dock.tabs.add_tab("Class"):
             self._panel = ClassPanel(
                 dock.form,
@@ -118,9 +123,11 @@ class TeachersPart:
                     send=actions.send,
                     forget=shared.forget_students,
                 ),
+                over_scene,
                 address=shared.address,
                 lessons=lessons,
             )
+        self.actions: dict[str, Action] = self._panel.actions
         self._panel.refresh()
         visit.client.camera.on_update(lambda _: visit.wake() if self._presenter.presenting else None)
         self._end = (shared.entrance.on_change(visit.wake), shared.classroom.listen(visit.wake))
@@ -144,6 +151,8 @@ class TeachersPart:
 
 class StudentsPart:
     """The bar over the scene, the name, and the following."""
+
+    first_tab = ""
 
     def __init__(self, visit: Visit, shared: Shared, number: int) -> None:
         dock, actions = visit.dock, visit.actions

@@ -77,6 +77,13 @@
     });
   };
 
+  document.addEventListener('keydown', key => {
+    const root = document.documentElement.classList;
+    if (key.key !== 'Escape' || !window.rnPage) return;
+    if (root.contains('rn-is-invite')) window.rnPage.act('flag', 'invite');
+    else if (!root.contains('rn-is-welcomed')) window.rnPage.act('flag', 'welcomed');
+  }, true);
+
   // the hint of what has the focus, over the scene, level with it
   const tip = document.createElement('div');
   tip.className = 'rn-tip';
@@ -146,7 +153,10 @@
     if (!fresh.length) return;
     spoken.textContent = '';
     clearTimeout(speaking);
-    speaking = setTimeout(() => { spoken.textContent = fresh.join(' '); }, 100);
+    speaking = setTimeout(() => {
+      spoken.textContent = fresh.join(' ');
+      speaking = setTimeout(() => { spoken.textContent = ''; }, 5000);  // so that nobody comes upon it later
+    }, 100);
   };
 
   const title = document.createElement('header');

@@ -8,6 +8,7 @@
   const KEY = 'rangenav-places', MENU = 'preset', MOST_TRIES = 8;
   let kept = {tabs: [], folders: {}};
   try { kept = {...kept, ...JSON.parse(sessionStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
+  if (FIRST && !kept.tabs.length) kept.tabs = [FIRST];
   const keep = () => {
     try { sessionStorage.setItem(KEY, JSON.stringify(kept)); } catch (refused) { console.info(String(refused)); }
   };

@@ -28,6 +28,8 @@ class Control(ABC, Generic[T]):
         self._base: T | None = None
         self._text, self._marked = name, False
         self._last_value = self._value()
+        self._by_visitor = False
+        """Whether a visitor has changed the control since `moved` was asked last."""
         self._watch(handle)
         section.add(self)
 
@@ -60,7 +62,10 @@ class Control(ABC, Generic[T]):
         return self._marked
 
     def moved(self) -> bool:
-        """Whether the visitor has moved the control since the last call."""
+        """Whether the visitor has moved the control since the last call; what the page itself writes does not count."""
+        if not self._by_visitor:
+            return False
+        self._by_visitor = False  # before reading, so that no change is lost
         before, self._last_value = self._last_value, self._value()
         return self._last_value != before
 
@@ -74,6 +79,7 @@ class Control(ABC, Generic[T]):
         """Note every change of a handle, and then wake the loop if a visitor has changed it."""
 
         def changed(event: viser.GuiEvent[Any]) -> None:  # one callback: viser's threads may run two in any order
+            self._by_visitor = self._by_visitor or event.client_id is not None
             self._section.touch()
             if event.client_id is not None:
                 self._section.wake()

@@ -71,9 +71,10 @@ UNDRAWN = """(() => {
     if (window.WebGL2RenderingContext) for (const name of draws) WebGL2RenderingContext.prototype[name] = () => {};
 })()"""
 """A scene that no test looks at is computed and not drawn: a software renderer takes a third of all time for it."""
-WRITTEN = """(document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || ''))
+WRITTEN = """([...document.body.children].filter(part => part.matches(':not(.rn-unseen, script, style, noscript)'))
+    .map(part => part.innerText).join('\\n') + ((document.querySelector('.rn-rows') || {}).textContent || ''))
     .replaceAll('\\u00a0', ' ')"""
-"""What a reader reads: a no-break space is a space."""
+"""What a reader sees, and not what is only spoken: a no-break space is a space."""
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
@@ -97,6 +98,11 @@ class Server:
         assert self._process.stdout is not None
         self.url = self._process.stdout.readline().strip()
         self.seconds_to_answer = time.monotonic() - self._began
+
+    def next_line(self) -> str:
+        """What it prints after the address."""
+        assert self._process.stdout is not None
+        return self._process.stdout.readline().strip()
 
     def restart(self) -> None:
         """Ended, and started again at the same address."""
@@ -158,11 +164,12 @@ class Visitor:
         says: str = VERDICT,
         welcomed: bool = True,
         drawn: bool = False,
+        code: str = "",
     ) -> None:
         """`beside` another one it is a second tab of the same browser; the page is drawn when it says `says`.
 
         `welcomed`: whether the card of the first visit was closed before; `drawn`: whether the pixels of the scene are
-        computed."""
+        computed; `code`: what is typed at the door of a class."""
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
         self._says, self._alone, self._new, self._failures = says, beside is None, True, 0
@@ -172,7 +179,7 @@ class Visitor:
         self._context = lambda: (
             beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
         )
-        self.url = url
+        self.url, self._code = url, code
         self._open()
 
     def _open(self) -> None:
@@ -183,6 +190,9 @@ class Visitor:
         self.page.on("console", self._listen)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.goto(self.url)
+        if self._code:
+            self.page.get_by_label("Code that your teacher shows").fill(self._code.lower())
+            self.page.keyboard.press("Enter")
         self.wait_until_drawn()
 
     def _listen(self, message: ConsoleMessage) -> None:

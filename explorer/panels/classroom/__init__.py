@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
+import viser
+
 from explorer.model.classroom import Classroom
 from explorer.panels.classroom.board import BoardPanel
 from explorer.storage.bundle import Send
@@ -12,6 +14,7 @@ from explorer.web.access.entrance import Entrance
 from explorer.web.access.invitation import qr_svg
 from explorer.web.access.names import name_of
 from explorer.web.access.visitors import Role
+from explorer.web.accessibility import spoken
 from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
@@ -28,9 +31,20 @@ INVITATION = (
     '<div style="padding:0 .9em .5em;text-align:center">'
     '<div style="font:700 2.4em/1.3 ui-monospace,monospace;letter-spacing:.08em">{code}</div>'
     "<div>at <b>{page}</b></div>"
+    '<button type="button" class="rn-button rn-main" data-rn-flag="invite">Show it large</button>'
     '<div style="margin:.6em auto;max-width:260px" role="img" aria-label="The students’ link as a QR code">{qr}</div>'
     '<details><summary>The link in the picture</summary><code style="overflow-wrap:anywhere">{link}</code></details>'
     "</div>"
+)
+CARD = (
+    '<div class="rn-card rn-invite" role="dialog" aria-label="The way into the class">'
+    '<button type="button" class="rn-button" data-rn-flag="invite" aria-label="Close">✕</button>'
+    "<p>Open <b>{page}</b> and type</p><b>{code}</b>"
+    '<div role="img" aria-label="The students’ link as a QR code">{qr}</div></div>'
+)
+PRESENTS = (
+    '<div class="rn-class" {said}><span><b>You present.</b> {count}</span>'
+    '<button type="button" class="rn-button" data-rn-event="class-end">End</button></div>'
 )
 GUESSED = "The code was guessed at {count} times too often, and was replaced each time. The link is safe from guessing."
 
@@ -48,6 +62,16 @@ class ClassActions:
     """Deletes the presets that students have saved."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class OverScene:
+    """What lies over the scene, outside all tabs."""
+
+    bar: viser.GuiHtmlHandle
+    """Says that the page is presented."""
+    card: viser.GuiHtmlHandle
+    """The code and the QR code for the projector."""
+
+
 class ClassPanel:
     """The invitation, the presentation, the board, and the end of the class."""
 
@@ -58,23 +82,24 @@ class ClassPanel:
         entrance: Entrance,
         classroom: Classroom,
         actions: ClassActions,
+        over_scene: OverScene,
         *,
         address: str,
         lessons: Mapping[int, str],
     ) -> None:
         """address: the page's, as students type it. lessons: titles by numbers."""
         self._form, self._page, self._entrance, self._classroom = form, page, entrance, classroom
-        self._actions, self._address = actions, address
+        self._actions, self._address, self._over = actions, address, over_scene
         self._invited: object = None
         self._students: tuple[int, ...] | None = None
+        with Section(form, "Students come in"):
+            self._invitation = form.gui.add_html("")
+            form.button("New code and link", self._renew, hint=CODE_HINT, quiet=True)
         with Section(form, "All see"):
             self._present = form.button(PRESENT, self._toggle_presentation, hint=PRESENT_HINT)
             self._freeze = form.button(FREEZE, self._toggle_freeze, hint=FREEZE_HINT, quiet=True)
             form.button("Send what I see to all", self._send_state, hint=SEND_HINT, quiet=True)
-        self._board = BoardPanel(form, classroom, lessons, lambda number: classroom.send(lesson=number), actions.send)
-        with Section(form, "Students come in"):
-            self._invitation = form.gui.add_html("")
-            form.button("New code and link", self._renew, hint=CODE_HINT, quiet=True)
+        self._board = BoardPanel(form, classroom, lessons, self._open_lesson, actions.send)
         self._removal = Section(form, "Send out", expanded=False)
         with self._removal:
             self._out = Section(form)
@@ -86,18 +111,31 @@ class ClassPanel:
         entrance = self._entrance
         inside = {number: tabs for number, tabs in entrance.inside.items() if entrance.is_student(number)}
         self._show_invitation()
-        self._show_state()
+        self._show_state(len(inside))
         self._board.draw(inside, entrance.places)
         self._show_removal(tuple(sorted(inside)))
 
-    def _show_state(self) -> None:
+    @property
+    def actions(self) -> dict[str, Action]:
+        """What the button of the bar does, by the name that it sends."""
+        return {"class-end": lambda: self._actions.present(False)}
+
+    def _show_state(self, students: int) -> None:
         state = self._classroom.state
+        bar = "" if state.shown is None else self._presents(students)
+        if bar != self._over.bar.content:
+            self._over.bar.content = bar
         for button, label in (
             (self._present, PRESENTED if state.shown is not None else PRESENT),
             (self._freeze, RELEASE if state.frozen else FREEZE),
         ):
             if button.label != label:
                 button.label = label
+
+    def _presents(self, students: int) -> str:
+        following = sum(member.following for member in self._classroom.members.values())
+        count = "Nobody is on the page yet." if students == 0 else f"{following} of {students} follow."
+        return PRESENTS.format(said=spoken("class", f"You present. {count}"), count=count)
 
     def _show_invitation(self) -> None:
         entrance = self._entrance
@@ -108,6 +146,8 @@ class ClassPanel:
         text = INVITATION.format(
             code=entrance.code, page=html.escape(self._address), qr=qr_svg(link), link=html.escape(link)
         )
+        large = qr_svg(link, scale=None)
+        self._over.card.content = CARD.format(code=entrance.code, page=html.escape(self._address), qr=large)
         self._invitation.content = text + (NOTE.format(GUESSED.format(count=guessed)) if guessed else "")
 
     def _show_removal(self, students: tuple[int, ...]) -> None:
@@ -138,6 +178,11 @@ class ClassPanel:
     def _send_state(self) -> None:
         self._classroom.send(settings=self._page.read())
         self._actions.notify("Sent to all", "Every student's page opens what yours shows, as a step of its own.")
+
+    def _open_lesson(self, number: int) -> None:
+        """Open a lesson on every student's page; who still followed could not work on it."""
+        self._actions.present(False)
+        self._classroom.send(lesson=number)
 
     def _renew(self) -> None:
         self._entrance.renew()

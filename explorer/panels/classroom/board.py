@@ -15,7 +15,8 @@ from explorer.widgets.section import Section
 
 LESSON_HINT = "The lesson whose predictions are shown here, and that is opened on every student's page by the button."
 OPEN_HINT = (
-    "Opens it on every student's page, also on those of students who come later. Leaving it gives back their work."
+    "Opens it on every student's page, also on those of students who come later, and ends a presentation. Leaving it "
+    "gives back their work."
 )
 CSV_HINT = "Names, predictions and passed lessons, for a spreadsheet. Nothing of it is kept when the class ends."
 HEAD = ("student", "is at", "passed")

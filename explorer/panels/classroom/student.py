@@ -5,6 +5,7 @@ from contextlib import suppress
 import viser
 
 from explorer.model.classroom import chosen_name
+from explorer.web.accessibility import spoken
 from explorer.web.connection import run_script
 from explorer.widgets.controls import Text
 from explorer.widgets.form import Form
@@ -12,13 +13,20 @@ from explorer.widgets.section import Section
 
 NAME_HINT = "Only your teacher sees it, with where you are in the lessons and what you predicted, until the class ends."
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="class-{}">{}</button>'
-BAR = '<div class="rn-class" role="status"><span>{}</span>{}</div>'
-FROZEN = BAR.format("<b>Eyes on the teacher.</b> Your page follows; your own work comes back afterwards.", "")
+BAR = '<div class="rn-class" {}><span>{}</span>{}</div>'
+FROZEN = BAR.format(
+    spoken("class", "Eyes on the teacher. Your page follows."),
+    "<b>Eyes on the teacher.</b> Your page follows; your own work comes back afterwards.",
+    "",
+)
 FOLLOWING = BAR.format(
+    spoken("class", "You follow the teacher."),
     "You follow the teacher.",
     BUTTON.format("", "copy", "Work on a copy") + BUTTON.format("", "back", "Back to my work"),
 )
-PRESENTED = BAR.format("The teacher presents.", BUTTON.format("rn-main", "follow", "Follow"))
+PRESENTED = BAR.format(
+    spoken("class", "The teacher presents."), "The teacher presents.", BUTTON.format("rn-main", "follow", "Follow")
+)
 MAX_TYPED = 80
 
 

@@ -42,8 +42,9 @@ def invitation(entrance: Entrance, page: str) -> str:
     )
 
 
-def qr_svg(text: str, scale: float = 4.0) -> str:
-    """A text as a QR code: an SVG picture, dark on white in either theme."""
+def qr_svg(text: str, scale: float | None = 4.0) -> str:
+    """A text as a QR code: an SVG picture, dark on white in either theme. scale: px of a dot; None for a picture that
+    takes any size."""
     return segno.make(text, micro=False).svg_inline(
-        scale=scale, dark=palette.CODE_INK, light=palette.CODE_GROUND, border=4
+        scale=scale or 1, omitsize=scale is None, dark=palette.CODE_INK, light=palette.CODE_GROUND, border=4
     )
