@@ -20,7 +20,7 @@ import psutil
 from timing import Target, report, versions
 
 from rangenav import ensemble, preset, record
-from rangenav.studies import blocks, cluster, running, store, study
+from rangenav.studies import blocks, cluster, creation, running, store, study
 from rangenav.studies.parameters import Linear
 from rangenav.studies.study_file import StudyFile
 
@@ -120,7 +120,7 @@ def _of(points: int) -> study.Study:
 
 def _study(path: Path, client: Any, points: int = POINTS, shown: running.Shown = lambda state: None) -> None:
     of = _of(points)
-    store.created(path, of, blocks.divided(of.shape, PART))
+    creation.created(path, of, blocks.divided(of.shape, PART))
     running.run(of, path, client=client, shown=shown)
 
 

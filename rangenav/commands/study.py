@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
@@ -16,9 +16,7 @@ from rangenav.commands.progress import describing, working
 from rangenav.inputs import require
 
 if TYPE_CHECKING:
-    from rangenav.studies.plan import Plan
     from rangenav.studies.running import State
-    from rangenav.studies.study import Study
 
 FileName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STUDY")]
 """A shipped study's name or a path to a TOML file."""
@@ -34,6 +32,7 @@ def plan(study: FileName, *, json: bool = False) -> None:
         study: A shipped study's name or a path to a TOML file.
         json: Print one JSON object.
     """
+    from rangenav.commands import study_answers
     from rangenav.commands.text import layout
     from rangenav.commands.text import study as text
     from rangenav.studies import plan as planning
@@ -41,7 +40,7 @@ def plan(study: FileName, *, json: bool = False) -> None:
 
     of = studies.load(study)
     with working("trying a few points"):
-        answer = plan_report(of, planning.plan(of), name=study)
+        answer = study_answers.plan_report(of, planning.plan(of), name=study)
     return print_json(answer) if json else layout.show(text.planned(answer))
 
 
@@ -65,6 +64,7 @@ def run(
         dashboard: Show the dashboard of dask at http://127.0.0.1:8787.
         json: Print one JSON object.
     """
+    from rangenav.commands import study_answers
     from rangenav.commands.text import layout
     from rangenav.commands.text import study as text
     from rangenav.studies import running
@@ -89,7 +89,7 @@ def run(
             kept = running.kept(path, last[0].parts) if last else "nothing was computed yet"
             print(f"{path}: stopped; {kept}", file=sys.stderr)
             raise SystemExit(STOPPED) from None
-    answer = run_report(of, state, store=path, seconds=time.monotonic() - began)
+    answer = study_answers.run_report(of, state, store=path, seconds=time.monotonic() - began)
     return print_json(answer) if json else layout.show(text.computed(answer))
 
 
@@ -100,12 +100,13 @@ def show(store: StoreName, *, json: bool = False) -> None:
         store: The store.
         json: Print one JSON object.
     """
+    from rangenav.commands import study_answers
     from rangenav.commands.text import layout
     from rangenav.commands.text import study as text
     from rangenav.studies import store as stores
 
     with working(f"reading {store.name}"):
-        answer = show_report(stores.opened(store))
+        answer = study_answers.show_report(stores.opened(store))
     return print_json(answer) if json else layout.show(text.shown(answer))
 
 
@@ -165,75 +166,6 @@ def study(action: Action) -> None:
     Args:
         action: What to do.
     """
-
-
-def plan_report(of: "Study", planned: "Plan", *, name: str) -> dict[str, Any]:
-    """The JSON object of `rangenav study plan`."""
-    return {
-        "study": name,
-        "title": of.file.title,
-        "dimensions": dict(zip(of.dimensions, of.shape, strict=True)),
-        "points": planned.points,
-        "runs": planned.runs,
-        "least_runs": planned.least_runs,
-        "parts": planned.parts,
-        "cpu_seconds": planned.seconds,
-        "bytes": planned.bytes,
-        "cpu_seconds_per_point": planned.cost.point,
-        "cpu_seconds_per_run": planned.cost.run,
-    }
-
-
-def run_report(of: "Study", state: "State", *, store: Path, seconds: float) -> dict[str, Any]:
-    """The JSON object of `rangenav study run`."""
-    return {
-        "store": str(store),
-        "title": of.file.title,
-        "points": state.points,
-        "invalid": state.invalid,
-        "runs": state.runs,
-        "parts": state.parts,
-        "computed": state.computed,
-        "seconds": seconds,
-        "interval": state.width,
-    }
-
-
-def show_report(of: Any) -> dict[str, Any]:
-    """The JSON object of `rangenav study show`."""
-    from rangenav.studies import summary as summaries
-    from rangenav.studies.metrics import METRICS
-
-    study, held = of.study, summaries.summary(of)
-
-    def place(index: int) -> dict[str, float | str] | None:
-        return None if index < 0 else study.at(index)
-
-    return {
-        "store": str(of.path),
-        "title": study.file.title,
-        "dimensions": dict(zip(study.dimensions, study.shape, strict=True)),
-        "parts": {"all": held.parts, "done": held.done, "damaged": held.damaged},
-        "points": held.points,
-        "invalid": held.invalid,
-        "runs": held.runs,
-        "cpu_seconds": held.seconds,
-        "metrics": [
-            {
-                "metric": name,
-                "title": METRICS[name].title,
-                "unit": METRICS[name].unit,
-                "estimator": estimator or None,
-                "finite": one.finite,
-                "least": one.least if one.finite else None,
-                "least_at": place(one.least_at),
-                "largest": one.largest if one.finite else None,
-                "largest_at": place(one.largest_at),
-            }
-            for (name, estimator), one in held.metrics.items()
-        ],
-        "reasons": [{"words": words, "points": count} for words, count in held.reasons.most_common(20)],
-    }
 
 
 @contextmanager

@@ -9,7 +9,7 @@
     study_file · parameters                what a person chooses
     metrics · estimators                   tables: a row for each
     evaluation · stopping                  one point, and when it has runs enough
-    blocks · receipts · store              the parts, and what of them is done
+    blocks · creation · receipts · store   the parts, and what of them is done
     tasks · cluster · running              dask
 The extra `studies` is needed for stores and for dask: pip install "rangenav[studies]".
 """

@@ -13,11 +13,9 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-import numpy as np
-
-from rangenav.inputs import require
+from rangenav.inputs import require, shortened
 from rangenav.progress import Cancelled, CancelledError, never
-from rangenav.studies import cluster, extra, plan, receipts, store, tasks
+from rangenav.studies import cluster, creation, extra, plan, receipts, store, tasks
 from rangenav.studies.receipts import Receipt
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
@@ -47,12 +45,14 @@ class State:
     """Points of the parts that are done."""
     invalid: int
     runs: int
+    workers: int
+    """Threads that compute."""
     rate: float
     """Runs per second of this call, or points per second if no metric is of a run."""
     left: float | None
     """s until the end, at this rate; None before the first part."""
     width: float | None
-    """The median over the parts of the relative half width of the watched metric's interval; None without."""
+    """The mean over the parts of the relative half width of the watched metric's interval; None without."""
 
 
 Shown = Callable[[State], None]
@@ -78,11 +78,11 @@ def run(
     extra.distributed()
     of = _opened(study, path)
     with of.locked():
-        tally = _Tally(of, of.done())
+        tally = _Tally(of)
         shown(tally.state())
         if tally.missing:
             with cluster.connected(client, workers=workers, scheduler=scheduler, dashboard=dashboard) as connected:
-                cluster.compile_everywhere(connected, str(of.path), study.digest)
+                _compile(connected, of)
                 tally.begin()
                 _deal(connected, of, tally, shown, cancelled)
         return tally.state()
@@ -91,10 +91,12 @@ def run(
 def _opened(study: Study, path: Path) -> Store:
     """The store of this study, which is made if there is none."""
     if not path.exists():
-        return store.created(path, study, plan.divided(study, plan.cost(study)))
+        return creation.created(path, study, plan.divided(study, plan.cost(study)))
     of = store.opened(path)
     rule = f"{path}: holds another study, {of.study.file.title!r}; choose another store"
     require(of.study.digest == study.digest, rule)
+    rule = f"{path}: begun with {of.source}; go on with that version, or choose another store"
+    require(of.source == store.SOURCE, rule)
     return of
 
 
@@ -104,43 +106,62 @@ def kept(path: Path, parts: int) -> str:
 
 
 class _Tally:
-    """The receipts so far."""
+    """What is done so far: sums, so that a store of any number of parts takes no time and no memory to count."""
 
-    def __init__(self, of: Store, done: dict[int, Receipt]) -> None:
-        self._of, self.done, self._before = of, done, len(done)
-        self.missing = deque(part for part in range(of.blocks.count) if part not in done)
-        self._runs_before = sum(self._work(one) for one in done.values())
+    def __init__(self, of: Store) -> None:
+        self._by_runs, self._parts = bool(of.study.file.run_metrics), of.blocks.count
+        self._done = self._points = self._invalid = self._runs = self._work = self._computed = 0
+        self._width, self._widths = 0.0, 0
+        there = set()
+        for part, receipt in of.done().items():
+            there.add(part)
+            self._count(receipt)
+        self.missing = deque(part for part in range(self._parts) if part not in there)
+        self.workers = 0
         self.begin()
 
     def begin(self) -> None:
         """The time from which on rates are counted."""
-        self._began = time.monotonic()
+        self._began, self._work_before = time.monotonic(), self._work
 
     def take(self, receipt: Receipt) -> None:
-        """Count a part, once."""
-        self.done[receipt.part] = receipt
+        """Count a part that was computed now."""
+        self._computed += 1
+        self._count(receipt)
 
     def state(self) -> State:
         """How far the study is."""
-        count, done = self._of.blocks.count, self.done.values()
-        computed = len(self.done) - self._before
-        seconds = max(time.monotonic() - self._began, 1e-9)
-        work = sum(self._work(one) for one in done) - self._runs_before
-        widths = [one.width for one in done if one.width is not None]
+        seconds, computed = max(time.monotonic() - self._began, 1e-9), self._computed
         return State(
-            parts=count,
-            done=len(self.done),
+            parts=self._parts,
+            done=self._done,
             computed=computed,
-            points=sum(one.points for one in done),
-            invalid=sum(one.invalid for one in done),
-            runs=sum(one.runs for one in done),
-            rate=work / seconds if computed else 0.0,
-            left=seconds / computed * (count - len(self.done)) if computed else None,
-            width=float(np.median(widths)) if widths else None,
+            points=self._points,
+            invalid=self._invalid,
+            runs=self._runs,
+            workers=self.workers,
+            rate=(self._work - self._work_before) / seconds,
+            left=seconds / computed * (self._parts - self._done) if computed else None,
+            width=self._width / self._widths if self._widths else None,
         )
 
-    def _work(self, receipt: Receipt) -> int:
-        return receipt.runs if self._of.study.file.run_metrics else receipt.points
+    def _count(self, receipt: Receipt) -> None:
+        self._done += 1
+        self._points += receipt.points
+        self._invalid += receipt.invalid
+        self._runs += receipt.runs
+        self._work += receipt.runs if self._by_runs else receipt.points
+        if receipt.width is not None:
+            self._width += receipt.width
+            self._widths += 1
+
+
+def _compile(client: Any, of: Store) -> None:
+    """Compile the kernels once on every host. Raises StoppedError if the scheduler is lost."""
+    try:
+        cluster.compile_everywhere(client, str(of.path), of.study.digest)
+    except (OSError, RuntimeError) as error:
+        raise _stopped(of, f"no worker could begin ({type(error).__name__})") from None
 
 
 def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancelled) -> None:
@@ -151,7 +172,9 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
     try:
         while tally.missing or waiting:
             if time.monotonic() - counted >= RECOUNT:
-                room, counted = AHEAD * max(1, cluster.threads(client)), time.monotonic()
+                tally.workers, counted = cluster.threads(client), time.monotonic()
+                room = AHEAD * max(1, tally.workers)
+                shown(tally.state())
             while tally.missing and len(waiting) < room:
                 part = tally.missing.popleft()
                 future = client.submit(tasks.compute, str(of.path), of.study.digest, part, key=_key(of, part))
@@ -196,8 +219,7 @@ def _receipt(future: Any, of: Store) -> Receipt:
         raise _stopped(of, "one part ended every worker that computed it; is the memory enough?") from None
     if isinstance(error, ValueError):
         raise _stopped(of, str(error)) from None
-    assert error is not None
-    raise error
+    raise _stopped(of, shortened(f"a part failed ({type(error).__name__}: {error})")) from error
 
 
 def _stopped(of: Store, words: str) -> StoppedError:

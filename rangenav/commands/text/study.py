@@ -18,6 +18,8 @@ MOST_REASONS = 5
 
 def progress(state: "State") -> str:
     """One line behind the bar: parts, rate, time left, and the interval of the watched metric."""
+    if state.workers == 0 and state.done < state.parts:
+        return f"{state.done}/{state.parts} parts · waiting for workers"
     parts = [f"{state.done}/{state.parts} parts"]
     if state.computed:
         parts.append(f"{significant(state.rate)} {'runs' if state.runs else 'points'}/s")

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from rangenav.studies import blocks, store, study, study_file, tasks
+from rangenav.studies import blocks, creation, store, study, study_file, tasks
 
 pytestmark = pytest.mark.slow
 
@@ -51,7 +51,7 @@ def heavy(small_file: Path) -> Path:
 def empty(heavy: Path, path: Path) -> store.Store:
     """A store of that study with a part for each point."""
     of = study.load(heavy)
-    return store.created(path, of, blocks.divided(of.shape, 1))
+    return creation.created(path, of, blocks.divided(of.shape, 1))
 
 
 @contextmanager
