@@ -7,6 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -191,7 +192,13 @@ def load(name_or_path: str | Path) -> Preset:
         raise ValueError(f"{path.name}: not UTF-8 text (byte {error.start})") from None
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
-    return loads(text, source=path.name)
+    return _kept(text, path.name) if path.parent in FOLDERS else loads(text, source=path.name)
+
+
+@lru_cache(maxsize=64)
+def _kept(text: str, source: str) -> Preset:
+    """A shipped preset, decoded once: a preset is a value that nobody changes."""
+    return loads(text, source=source)
 
 
 def with_window(preset: Preset, window: float, *, source: str) -> Preset:

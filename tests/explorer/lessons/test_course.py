@@ -9,12 +9,11 @@ import pytest
 from msgspec.structs import replace
 
 from explorer.charts import TITLES
-from explorer.lessons import Lesson, judging, text
-from explorer.lessons.course import OURS, lessons_in
+from explorer.lessons import Lesson, course, judging, text
 from explorer.lessons.lesson import SECTIONS
 from rangenav import preset
 
-COURSE = lessons_in(OURS)
+COURSE = course()
 lesson = pytest.mark.parametrize("lesson", COURSE.lessons, ids=lambda one: one.name)
 MATH = re.compile(r"<math .*?</math>", re.DOTALL)
 

@@ -26,7 +26,12 @@ pytestmark = pytest.mark.slow
 replace = msgspec.structs.replace
 SLOW = preset.load("paper-slow")
 BASE = Settings(preset=SLOW)
-PICTURE = compute(BASE)
+
+
+@pytest.fixture(scope="module")
+def base_picture():
+    """The picture of these settings; not made while tests are collected, which every worker does."""
+    return compute(BASE)
 
 
 def changed(path, value, base=BASE):
@@ -83,7 +88,7 @@ def parts(picture):
     }
 
 
-STAGES = set(parts(PICTURE))
+STAGES = {"motion", "attitude", "gramian", "excitation", "accuracy", "printed", "measurements", "estimate"}
 TRUTH = {"motion", "measurements", "estimate", "printed"}
 RECOMPUTED = [
     ("gains.riccati.q", 100.0, {"estimate"}),
@@ -238,10 +243,12 @@ def test_the_reduced_pair_misses_the_planar_circle_unless_it_is_misprinted():
     assert wrong > 1e-6
 
 
-def test_without_switches_the_sampled_excitation_is_the_exact_one():
+def test_without_switches_the_sampled_excitation_is_the_exact_one(base_picture):
     """The trapezoid over 5 ms of signals with the double frequency 8 rad/s: (8·5ms)²/12 per oscillating part."""
-    windows = PICTURE.analysis.windows
-    np.testing.assert_allclose(PICTURE.printed_excitation, windows.excitation, atol=2e-3 * windows.excitation.max())
+    windows = base_picture.analysis.windows
+    np.testing.assert_allclose(
+        base_picture.printed_excitation, windows.excitation, atol=2e-3 * windows.excitation.max()
+    )
 
 
 def test_snap_in_body_axes_is_the_derived_phi_and_the_printed_one_is_its_misprint():
@@ -288,16 +295,16 @@ def test_all_parts_of_a_picture_belong_to_each_other(name):
     assert picture.limits.speed == np.linalg.norm(moved.velocity, axis=-1).max()
 
 
-def test_the_estimate_is_the_cascades_own():
-    z = PICTURE.measurements
+def test_the_estimate_is_the_cascades_own(base_picture):
+    z = base_picture.measurements
     start = cascade.start(
         SLOW.guess,
-        state=model.true_state(PICTURE.motion, world=SLOW.world)[0],
-        rotation=PICTURE.motion.rotation[0],
+        state=model.true_state(base_picture.motion, world=SLOW.world)[0],
+        rotation=base_picture.motion.rotation[0],
         world=SLOW.world,
     )
     setting = cascade.ObserverConfig(world=SLOW.world, sensors=SLOW.sensors, gains=SLOW.gains)
-    np.testing.assert_array_equal(cascade.observe(z, start, setting).state, PICTURE.estimate.state)
+    np.testing.assert_array_equal(cascade.observe(z, start, setting).state, base_picture.estimate.state)
 
 
 def test_slowing_the_papers_path_four_times_gives_the_picture_of_paper_slow():

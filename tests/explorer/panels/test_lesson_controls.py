@@ -3,15 +3,14 @@
 import pytest
 import viser
 
-from explorer.lessons import Lesson, State, measures
-from explorer.lessons.course import OURS, lessons_in
+from explorer.lessons import Lesson, State, course, measures
 from explorer.panels.dock import Dock
 from explorer.web.elements import Step, place_of
 from explorer.widgets.controls import CHANGED
 
 pytestmark = pytest.mark.slow
 
-LESSONS = lessons_in(OURS).lessons
+LESSONS = course().lessons
 
 
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda one: one.name)

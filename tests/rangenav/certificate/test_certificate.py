@@ -1,5 +1,6 @@
 """Certificates: computed from bytes, said in finite numbers, verified again, refused when altered, turned round."""
 
+import functools
 import json
 import math
 import re
@@ -30,8 +31,13 @@ pytestmark = pytest.mark.slow
 SHIPPED = [file.stem for file in preset.shipped_files()]
 SOFT = preset.load("soft")
 SOFT_BYTES = preset.dumps(SOFT).encode()
-SOFT_CERTIFICATE = certificate.certify(SOFT_BYTES, source="soft.toml")
 replace = msgspec.structs.replace
+
+
+@functools.cache
+def soft_certificate() -> Certificate:
+    """The certificate of the soft path; not made while tests are collected, which every worker does."""
+    return certificate.certify(SOFT_BYTES, source="soft.toml")
 
 
 def certified(p: Preset) -> Certificate:
@@ -96,8 +102,8 @@ def test_the_flight_ready_presets_can_be_flown_with_margin_in_a_bounded_box():
 
 def test_the_same_bytes_give_the_same_certificate_to_the_last_byte():
     again = certificate.certify(SOFT_BYTES, source="elsewhere.toml")
-    assert certificate.dumps(again) == certificate.dumps(SOFT_CERTIFICATE)
-    assert encoding.loads(certificate.dumps(again), source="here") == SOFT_CERTIFICATE
+    assert certificate.dumps(again) == certificate.dumps(soft_certificate())
+    assert encoding.loads(certificate.dumps(again), source="here") == soft_certificate()
 
 
 @settings(max_examples=30)
@@ -105,7 +111,7 @@ def test_the_same_bytes_give_the_same_certificate_to_the_last_byte():
 def test_one_altered_byte_fails(place: int, change: int):
     altered = bytearray(SOFT_BYTES)
     altered[place] ^= change
-    (said,) = certificate.verify(bytes(altered), SOFT_CERTIFICATE, source="soft.toml")
+    (said,) = certificate.verify(bytes(altered), soft_certificate(), source="soft.toml")
     assert said.startswith("soft.toml: its bytes are not those that were certified: SHA-256 ")
 
 
@@ -114,7 +120,7 @@ def test_the_certificate_of_another_preset_fails(tmp_path: Path):
     other = certificate.certify_file("lissajous")
     (tmp_path / "soft.certificate.json").write_bytes(certificate.dumps(other))
     assert len(certificate.verify_file(tmp_path / "soft.toml")) == 1
-    disguised = replace(other, artifact=SOFT_CERTIFICATE.artifact)  # even if it claims to be of these bytes
+    disguised = replace(other, artifact=soft_certificate().artifact)  # even if it claims to be of these bytes
     (tmp_path / "soft.certificate.json").write_bytes(certificate.dumps(disguised))
     wrong = certificate.verify_file(tmp_path / "soft.toml")
     assert any("excitation.lower is 97." in sentence for sentence in wrong)
@@ -192,13 +198,14 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
     max_leaves=6,
 )
-PLACES = leaves(encoding.to_builtins(SOFT_CERTIFICATE)) + [(key,) for key in encoding.to_builtins(SOFT_CERTIFICATE)]
+STORED = encoding.to_builtins(certificate.read_stored("soft"))
+PLACES = leaves(STORED) + [(key,) for key in STORED]
 
 
 @settings(max_examples=60)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), json_values), min_size=1, max_size=3))
 def test_certificates_with_anything_in_them_are_answered_with_sentences(mutations: list):
-    mutated = encoding.to_builtins(SOFT_CERTIFICATE)
+    mutated = encoding.to_builtins(soft_certificate())
     for where, value in mutations:
         try:
             mutated = put(mutated, where, value)
@@ -221,7 +228,7 @@ def answered(text: bytes) -> None:
 @settings(max_examples=60)
 @given(st.integers(0, 4000), st.binary(max_size=6), st.integers(0, 40))
 def test_a_certificate_damaged_anywhere_is_answered_with_sentences(where: int, new: bytes, cut: int):
-    whole = certificate.dumps(SOFT_CERTIFICATE)
+    whole = certificate.dumps(soft_certificate())
     answered(whole[:where] + new + whole[where + cut :])
 
 
@@ -350,7 +357,7 @@ FAST = (
 
 
 def test_the_gate_is_open_for_what_meets_its_requirement_whatever_was_expected():
-    assert certificate.gate(SOFT_CERTIFICATE) is None
+    assert certificate.gate(soft_certificate()) is None
     assert certificate.gate(certified(replace(SOFT, expect="unobservable"))) is None
     assert exports.gate(SOFT) is None
 
@@ -387,7 +394,7 @@ def test_a_certificate_of_version_1_is_verified_by_what_it_claimed():
     said = encoding.to_builtins(old)
     assert said["version"] == 1
     assert {"scope", "bound", "ranges"}.isdisjoint(said["accuracy"])
-    assert old.accuracy.lifted.end.position != SOFT_CERTIFICATE.accuracy.lifted.end.position
+    assert old.accuracy.lifted.end.position != soft_certificate().accuracy.lifted.end.position
     assert certificate.verify(SOFT_BYTES, old, source="soft.toml") == ()
     wrong = encoding.loads(json.dumps(put(said, ("rank", "windows"), 7)).encode(), source="soft")
     assert len(certificate.verify(SOFT_BYTES, wrong, source="soft.toml")) == 1
@@ -422,8 +429,8 @@ def test_a_motion_of_full_rank_is_blind_for_ranges_that_fall_on_the_same_places(
 
 
 def test_gravity_and_axes_are_said():
-    assert SOFT_CERTIFICATE.frame.up == "-z"
-    assert SOFT_CERTIFICATE.frame.gravity == (0.0, 0.0, 9.81)
+    assert soft_certificate().frame.up == "-z"
+    assert soft_certificate().frame.gravity == (0.0, 0.0, 9.81)
     up = certified(replace(SOFT, world=World(gravity=(0.0, 0.0, -9.81))))
     assert up.frame.up == "+z"
     tilted = certified(replace(SOFT, world=World(gravity=(0.0, 6.0, 8.0))))
@@ -444,7 +451,7 @@ def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by
     file = tmp_path / "three.tones"
     file.write_text("x 1.0 1.5\ny -0.4 2.25\nz 0.3 3.0\n")
     issued = certificate.certify(file.read_bytes(), source="three.tones", form="tones", context=SOFT, readers=readers)
-    assert issued.excitation == SOFT_CERTIFICATE.excitation
+    assert issued.excitation == soft_certificate().excitation
     certificate.path_for(file).write_bytes(certificate.dumps(issued))
     assert certificate.verify_file(file, readers=readers) == ()
     assert certificate.verify_file(file) == ("three.tones: files of the format 'tones' cannot be certified",)
