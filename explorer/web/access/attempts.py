@@ -1,4 +1,5 @@
-"""How often codes may be tried: a few times per browser, and slowly by all together.
+"""How often codes may be tried: a few times per browser, and slowly by all together; and how often a visitor may load
+the page.
 
 Addresses are not counted: a class shares one.
 """
@@ -11,6 +12,8 @@ PER_BROWSER = (8.0, 0.2)
 """Attempts at once, and attempts per second after that, of one browser."""
 TOGETHER = (40.0, 2.0)
 """The same for all browsers together: a class of forty may type at the same moment."""
+CONNECTS = (20.0, 0.5)
+"""Websockets that one visitor may open at once, and per second after that: each reload of a page opens one."""
 MAX_BROWSERS = 4096
 """Browsers that are remembered; beyond that the ones longest ago are forgotten."""
 
@@ -34,6 +37,21 @@ class Attempts:
         if wait == 0:
             own.take()
             self._together.take()
+        return wait
+
+
+class Connects:
+    """The websockets that each visitor opens. Not safe for threads: its owner holds a lock."""
+
+    def __init__(self) -> None:
+        self._visitors: dict[int, Bucket] = {}
+
+    def wait(self, visitor: int, now: float) -> float:
+        """s until a visitor, by number, may open a websocket; 0 if one may be opened now, which is then counted."""
+        own = self._visitors.setdefault(visitor, _full(CONNECTS, now))
+        wait = own.wait(now)
+        if wait == 0:
+            own.take()
         return wait
 
 

@@ -19,18 +19,15 @@ from pathlib import Path
 from websockets.http11 import Request
 
 from explorer.model.listeners import Listener, Listeners
-from explorer.web.access.attempts import Attempts
+from explorer.web.access.attempts import Attempts, Connects
 from explorer.web.access.codes import Codes
 from explorer.web.access.visitors import LIFETIME, Role, Visitor, Visitors
-from explorer.web.bucket import Bucket
 
 DOOR_PATH, DOOR_COOKIE, HEADER, MAX_SECRET = "/enter", "rangenav-door", "Rangenav-Enter", 200
 HTML = "text/html; charset=utf-8"
 METRICS_PATH = "/metrics"
 MAX_TABS = 6
 """Tabs of one visitor at the same time."""
-CONNECTS = (20.0, 0.5)
-"""Websockets that one visitor may open at once, and per second after that: each reload of a page opens one."""
 DOOR = Path(__file__).with_name("door.html")
 DOOR_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; "
@@ -74,8 +71,7 @@ class Entrance:
         self.places = places
         self._tabs: dict[int, list[Callable[[], None]]] = {}
         """What closes each open tab of a visitor, by the visitor's number."""
-        self._connects: dict[int, Bucket] = {}
-        """How many websockets each visitor may open still."""
+        self._connects = Connects()
         self._listeners = Listeners()
 
     @property
@@ -183,11 +179,8 @@ class Entrance:
 
     def _too_often(self, visitor: Visitor) -> Answer | None:
         """The answer to a visitor who opens websockets all the time; None for anybody else, whose websocket counts."""
-        now = self._clock()
-        bucket = self._connects.setdefault(visitor.number, Bucket(*CONNECTS, CONNECTS[0], now))
-        wait = bucket.wait(now)
+        wait = self._connects.wait(visitor.number, self._clock())
         if wait == 0:
-            bucket.take()
             return None
         seconds = math.ceil(wait)
         sentence = f"You have loaded this page very often: it opens again in {seconds} s."

@@ -13,9 +13,9 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request
 
 from explorer.web.access import visitors
-from explorer.web.access.attempts import PER_BROWSER, TOGETHER, Attempts
+from explorer.web.access.attempts import CONNECTS, PER_BROWSER, TOGETHER, Attempts
 from explorer.web.access.codes import ALPHABET, MAX_WRONG, Codes, checked_token
-from explorer.web.access.entrance import CONNECTS, MAX_TABS, Answer, Entrance, NoRoomError
+from explorer.web.access.entrance import MAX_TABS, Answer, Entrance, NoRoomError
 from explorer.web.access.invitation import codes_with, invitation, qr_svg
 from explorer.web.access.visitors import LIFETIME, Role
 
