@@ -64,6 +64,7 @@ def take_class(folder: Path, browser: Browser) -> list[Path]:
         for tab, path in zip((teacher, student), written, strict=True):
             tab.page.mouse.move(700, 400)
             tab.page.screenshot(path=path)
+        for tab in (student, teacher):  # whoever presents leaves last
             tab.close()
     return written
 
