@@ -67,6 +67,8 @@ bench: $(VENV)/installed-bench
 	$(BIN)/python benchmarks/ensemble.py
 	$(BIN)/python benchmarks/starts.py
 	$(BIN)/python benchmarks/live.py
+	$(BIN)/python benchmarks/classroom.py --minutes 2
+	$(BIN)/python benchmarks/classroom.py --chromium
 	$(BIN)/python benchmarks/start.py
 	$(BIN)/python benchmarks/studies.py
 

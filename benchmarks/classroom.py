@@ -30,6 +30,18 @@ QUIET = 10.0
 """s over which nobody moves, and then over which all play and nobody drags."""
 SETTLING = 12.0
 """s for the proofs of the first pictures and for the estimators to be compiled."""
+WINDOW = 1366, 768
+"""px"""
+MOVES = """async seconds => {
+    const root = getComputedStyle(document.documentElement), moments = [], end = performance.now() + 1000 * seconds;
+    for (let shown = ''; performance.now() < end;) {
+        await new Promise(done => requestAnimationFrame(done));
+        const share = root.getPropertyValue('--tcur');
+        if (share !== shown) { shown = share; moments.push(performance.now()); }
+    }
+    return moments;
+}"""
+"""When (ms) the cursor was seen at another place, of each frame of the browser."""
 PLAYING, RATE, IDLE, LATENCY, PER_VISITOR, GROWTH = 1.5, 15.0, 0.1, 200.0, 5.0, 5.0
 """Bars: % of a core for a visitor who plays, frames a second, % of a core for one who does nothing, ms (p95) from an
 event to its picture, MB for a visitor, and MB by which all together may grow after the warm-up."""
@@ -182,8 +194,41 @@ def _row(name: str, spent: Spent) -> tuple[str, ...]:
     return name, *figures
 
 
-def main(visitors: int, minutes: float, warm_up: float) -> None:
+def _in_browsers() -> None:
+    """Two real tabs that play, on one server: moves of the cursor that each has shown, and the longest pause."""
+    from tests.browser import page
+
+    reason = page.why_not()
+    rows: list[tuple[str, ...]] = []
+    if not reason:
+        with page.served() as server, page.chromium() as browser:
+            width, height = WINDOW
+            tabs = [browser.new_context(viewport={"width": width, "height": height}).new_page() for _ in range(2)]
+            for tab in tabs:
+                tab.add_init_script(page.WELCOMED)
+                tab.goto(server.url)
+                tab.wait_for_function(page.READY, timeout=1000 * page.PATIENCE)
+                tab.wait_for_function(f"() => document.body.innerText.includes('{page.VERDICT}')")
+                tab.keyboard.press(" ")
+            for number, tab in enumerate(tabs, 1):
+                moments = np.array(tab.evaluate(MOVES, QUIET))
+                rows.append((f"tab {number}", f"{len(moments) / QUIET:.1f}/s", f"{np.diff(moments).max():.0f} ms"))
+    report(
+        "classroom in Chromium",
+        title="Two tabs that play, rendered in software",
+        columns=("", "moves of the cursor", "longest pause"),
+        rows=rows,
+        targets=[],
+        notes=[reason] if reason else [],
+        figures={"tabs": rows},
+    )
+
+
+def main(visitors: int, minutes: float, warm_up: float, chromium: bool) -> None:
     """Measure, print."""
+    if chromium:
+        _in_browsers()
+        return
     with _served() as process:
         asyncio.run(_measure(process, visitors, minutes, warm_up))
 
@@ -193,5 +238,6 @@ if __name__ == "__main__":
     parser.add_argument("--visitors", type=int, default=30)
     parser.add_argument("--minutes", type=float, default=10.0, help="of dragging after the warm-up")
     parser.add_argument("--warm-up", type=float, default=1.0, help="minutes of dragging before")
+    parser.add_argument("--chromium", action="store_true", help="two real tabs instead")
     arguments = parser.parse_args()
-    main(arguments.visitors, arguments.minutes, arguments.warm_up)
+    main(arguments.visitors, arguments.minutes, arguments.warm_up, arguments.chromium)
