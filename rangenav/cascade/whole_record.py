@@ -1,5 +1,8 @@
 """The cascaded observer over a whole record, from one start or from many attitudes."""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -22,14 +25,17 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     z = check(measurements)
     count, ranges = len(z.time), len(z.range_time)
     state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
-    k1, phase, mag = np.empty(count), np.empty(count, dtype=np.int8), np.empty((count, 3))
+    shapes = ((count, model.STATES), (count, 3, 3, 3), (count, 4), (count, 3, 3), (count,), (count, 3), (ranges, 2))
+    states, covariances, xi_variances, rotations, k1, mag, innovation = _together(shapes)
+    phase = np.empty(count, dtype=np.int8)
+    innovation[:] = np.nan
     estimate = Estimate(
         time=z.time,
-        state=np.empty((count, model.STATES)),
-        covariance=np.empty((count, 3, 3, 3)),
-        xi_variance=np.empty((count, 4)),
-        rotation=np.empty((count, 3, 3)),
-        innovation=np.full((ranges, 2), np.nan),
+        state=states,
+        covariance=covariances,
+        xi_variance=xi_variances,
+        rotation=rotations,
+        innovation=innovation,
         k1=k1,
         phase=phase,
         mag=mag,
@@ -40,6 +46,13 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
         state.packed_parameters,
     )  # fmt: skip
     return estimate
+
+
+def _together(shapes: Sequence[tuple[int, ...]]) -> list[Array]:
+    """Arrays of these shapes in one block: of a long record it lies in large pages, and is ready much sooner."""
+    ends = np.cumsum([0, *(math.prod(shape) for shape in shapes)]).tolist()
+    block = np.empty(ends[-1])
+    return [block[begin:end].reshape(shape) for begin, end, shape in zip(ends, ends[1:], shapes, strict=False)]
 
 
 def attitudes(
