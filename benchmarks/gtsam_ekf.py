@@ -82,3 +82,40 @@ def _mag(state: gtsam.NavState, magnetic: np.ndarray) -> tuple[np.ndarray, np.nd
     H = np.zeros((3, 9))
     H[0, 1], H[0, 2], H[1, 0], H[1, 2], H[2, 0], H[2, 1] = -z, y, z, -x, -y, x
     return expected, H
+
+
+def run_invariant(preset: Preset, record: Measurements, first: gtsam.NavState) -> np.ndarray:
+    """The last position of InvariantEKFNavState with every sensor; it has no IMU, so the increment is computed here.
+
+    X⁺ = X U(X), U = (exp(ω h), Rᵀ(v h + ½g h²) + ½a h², Rᵀg h + a h), with the Jacobian of U, which depends on X since
+    p grows by v h and gravity is known in inertial axes.
+    """
+    world, noises = preset.world, preset.sensors.sigma
+    ekf = gtsam.InvariantEKFNavState(first, np.diag(np.repeat(np.square(START_SIGMA), 3)))
+    anchor, magnetic, gravity = (np.asarray(vector) for vector in (world.anchor, world.magnetic, world.gravity))
+    range_noise, mag_noise = np.array([[noises.range**2]]), np.eye(3) * noises.mag**2
+    accel, gyro = means(record)
+    intervals, J, Q = np.diff(record.time), np.zeros((9, 9)), np.zeros((9, 9))
+    for k in range(1, len(record.time)):
+        h, state, a = intervals[k - 1], ekf.state(), accel[k - 1]
+        R = state.attitude().matrix()
+        fall, moved = R.T @ gravity * h, R.T @ state.velocity() * h
+        turn = gtsam.Rot3.Expmap(gyro[k - 1] * h)
+        back = turn.matrix().T
+        J[3:6, :3], J[3:6, 6:] = back @ _cross(moved + fall * h / 2), back * h
+        J[6:, :3] = back @ _cross(fall)
+        density = h / preset.sensors.imu_rate
+        Q[range(9), range(9)] = np.repeat(
+            [noises.gyro**2 * density, INTEGRATION_VARIANCE * h, noises.accel**2 * density], 3
+        )
+        U = gtsam.NavState(turn, moved + (fall + a * h) * h / 2, fall + a * h)
+        ekf.predictWithCompose(U, J, Q)
+        expected, H = _range(ekf.state(), anchor)
+        ekf.updateWithVector(expected, H, record.range[k : k + 1], range_noise)
+        expected, H = _mag(ekf.state(), magnetic)
+        ekf.updateWithVector(expected, H, record.mag[k], mag_noise)
+    return ekf.state().position()
+
+
+def _cross(v: np.ndarray) -> np.ndarray:
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

@@ -23,7 +23,7 @@ from rangenav.signals import Piece, Polynomials, knots
 WINDOWS, WINDOW, RATE = 151, 0.5, 100.0
 SAMPLES = round(WINDOW * RATE) + 1
 ROUNDS, RANGENAV_REPEATS = 5, 20
-MIN_RATIO = 300.0
+MIN_RATIO = 500.0
 RANGENAV, PEER = "closed form, batched SVD", "pybounds, JAX, 13 states"
 PIECES, PIECES_WINDOW, PIECES_WINDOWS = 12, 6.0, 101
 MIN_PIECES_RATIO, MAX_DIFFERENCE = 100.0, 1e-9

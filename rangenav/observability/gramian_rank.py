@@ -70,14 +70,19 @@ class Remainders:
     @cached_property
     def states(self) -> Float[Array, "w 13 13"]:
         """M⁻¹: the 13 coordinates in units of 1 m and δ, inertial axes, from those of these columns."""
-        shift, scalars, unpowered = _constants(1.0 if self.moment == "start" else -1.0)
-        K = np.zeros((len(self.triangle), CUBIC + 2, 3))
-        K[:, :CUBIC] = self.departure
-        of_unknowns = np.concatenate([K, shift @ K, shift @ shift @ K / 2], axis=2)[:, :CUBIC]
+        _, scalars, unpowered = _constants(1.0 if self.moment == "start" else -1.0)
         inverse = np.zeros((len(self.triangle), STATES, STATES))
         inverse[:, :CUBIC, :CUBIC], inverse[:, CUBIC:, CUBIC:] = scalars, self.unknown_states
-        inverse[:, :CUBIC, CUBIC:] = -scalars @ of_unknowns @ unpowered
+        inverse[:, :CUBIC, CUBIC:] = -scalars @ self._of_unknowns @ unpowered
         return inverse
+
+    @property
+    def _of_unknowns(self) -> Float[Array, "w 4 9"]:
+        """What D, τD and ½τ²D hold of the four polynomials."""
+        shift, _, _ = _constants(1.0 if self.moment == "start" else -1.0)
+        K = np.zeros((len(self.triangle), CUBIC + 2, 3))
+        K[:, :CUBIC] = self.departure
+        return np.concatenate([K, shift @ K, shift @ shift @ K / 2], axis=2)[:, :CUBIC]
 
     @property
     def unknown_states(self) -> Float[Array, "9 9"]:
@@ -85,9 +90,28 @@ class Remainders:
         return _unknown_states(1.0 if self.moment == "start" else -1.0, self.turn.tobytes())
 
     @cached_property
+    def columns(self) -> Float[Array, "w 13 13"]:
+        """M: these columns' coordinates from the 13."""
+        _, scalars, unpowered = _constants(1.0 if self.moment == "start" else -1.0)
+        unknowns = np.linalg.inv(self.unknown_states)
+        columns = np.zeros((len(self.triangle), STATES, STATES))
+        columns[:, :CUBIC, :CUBIC], columns[:, CUBIC:, CUBIC:] = np.linalg.inv(scalars), unknowns
+        columns[:, :CUBIC, CUBIC:] = self._of_unknowns @ (unpowered @ unknowns)
+        return columns
+
+    @cached_property
+    def regular(self) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
+        """See `regular`."""
+        return regular(self)
+
+    @cached_property
     def rank(self) -> Int[Array, "w"]:
-        """Of all 13 functions."""
-        return CUBIC + np.sum(self.singular > 1.0, axis=1)
+        """Of all 13 functions. Only what the inverse of a triangle does not show to be 13 is decomposed."""
+        counts = self.regular[1]
+        rank = np.full(len(counts), STATES)
+        if not counts.all():
+            rank[~counts] = CUBIC + np.sum(self.some(~counts).singular > 1.0, axis=1)
+        return rank
 
 
 def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment: Moment) -> Remainders:
@@ -157,6 +181,15 @@ def unseen_unknowns(unseen: Float[Array, "*w 13 k"]) -> Float[Array, "*w 9 k"]:
 
 def inverse(of: Remainders) -> Float[Array, "w 9 9"]:
     """The inverse of the remainders' triangle, where remainders that do not count are zero."""
+    inverses, counts = of.regular
+    if counts.all():
+        return inverses
+    inverses = inverses.copy()
+    inverses[~counts] = _pseudoinverse(of.some(~counts))
+    return inverses
+
+
+def _pseudoinverse(of: Remainders) -> Float[Array, "w 9 9"]:
     left, size, right = of.decomposition
     counts = size > 1.0
     reciprocal = np.where(counts, 1 / np.where(counts, size, 1.0), 0.0)

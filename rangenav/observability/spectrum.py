@@ -6,6 +6,8 @@ The lifted rank is decided by `gramian_rank`. Small singular values are reciproc
 with N the unseen states: H itself holds them to an absolute 1e-16 of the largest alone.
 """
 
+from functools import cached_property
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
@@ -29,7 +31,6 @@ NONLINEAR_TIME_POWERS = np.repeat([0, 1, 2], 3)
 """Units of the columns in powers of time; the length unit is 1 m. Fixed units, never a column's own norm."""
 
 
-@result
 class Spectrum:
     """Singular-value results of w windows with n columns."""
 
@@ -44,6 +45,79 @@ class Spectrum:
     """Scaled singular values above this count."""
     unseen: Float[Array, "w n n"]
     """In the last n − rank columns an orthonormal basis (units L = 1 m, T = δ) of what a window does not see."""
+
+
+@result
+class TriangleSpectrum(Spectrum):
+    """That of triangles, computed at once."""
+
+    eigenvalues: Float[Array, "w n"]
+    floor: Float[Array, "w"]
+    scaled: Float[Array, "w n"]
+    rank: Int[Array, "w"]
+    tolerance: Float[Array, "w"]
+    unseen: Float[Array, "w n n"]
+
+
+@result
+class LiftedSpectrum(Spectrum):
+    """That of remainders, n = 13; each system of units is decomposed when it is read first."""
+
+    remainders: Remainders
+    rounding: float
+    """The absolute rounding error of the rows of D."""
+
+    @property
+    def rank(self) -> Int[Array, "w"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Of 13."""
+        return self.remainders.rank
+
+    @cached_property
+    def eigenvalues(self) -> Float[Array, "w 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """SI, ascending."""
+        return self._in_si[0][:, ::-1] ** 2
+
+    @cached_property
+    def floor(self) -> Float[Array, "w"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """SI."""
+        return self._in_si[1] ** 2
+
+    @property
+    def scaled(self) -> Float[Array, "w 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """In units of 1 m and δ, descending."""
+        return self._in_units[0]
+
+    @property
+    def tolerance(self) -> Float[Array, "w"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """In units of 1 m and δ."""
+        return self._in_units[1]
+
+    @cached_property
+    def unseen(self) -> Float[Array, "w 13 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """In units of 1 m and δ."""
+        return gramian_rank.unseen(self.remainders, np.ones(STATES))
+
+    @cached_property
+    def _forward(self) -> Float[Array, "w 13 13"]:
+        return self.remainders.triangle @ self.remainders.columns
+
+    @cached_property
+    def _inverse(self) -> Float[Array, "w 13 13"]:
+        return gramian_rank.pseudoinverse(self.remainders)
+
+    @cached_property
+    def _in_units(self) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
+        direct = np.linalg.svd(self._forward, compute_uv=False)
+        small = _reciprocals(self._inverse, self.unseen)
+        return _resolved(direct, small, _tolerance(direct, self.rounding), self.remainders)
+
+    @cached_property
+    def _in_si(self) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
+        of = self.remainders
+        units = of.window ** LIFTED_TIME_POWERS.astype(float)
+        direct = np.linalg.svd(self._forward * units, compute_uv=False)
+        small = _reciprocals(self._inverse / units[:, None], gramian_rank.unseen(of, units))
+        return _resolved(direct, small, _floor(direct, of.window, self.rounding), of)
 
 
 def window_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
@@ -111,7 +185,7 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
     unseen = np.zeros_like(R)
     for k in np.flatnonzero(rank < R.shape[-1]):
         unseen[k, :, rank[k] :] = np.linalg.svd(in_units[k])[2][rank[k] :].T
-    return Spectrum(
+    return TriangleSpectrum(
         eigenvalues=singular[:, ::-1] ** 2,
         floor=floor**2,
         scaled=scaled,
@@ -123,22 +197,7 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
 
 def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
     """Spectra of the 13-state lifted Gramian of windows whose remainders are known."""
-    units = of.window ** LIFTED_TIME_POWERS.astype(float)
-    unseen, in_si = gramian_rank.unseen(of, np.ones_like(units)), gramian_rank.unseen(of, units)
-    forward, inverse = of.triangle @ np.linalg.inv(of.states), gramian_rank.pseudoinverse(of)
-    direct, small = np.linalg.svd(forward, compute_uv=False), _reciprocals(inverse, unseen)
-    tolerance = _tolerance(direct, rounding)
-    scaled, tolerance = _resolved(direct, small, tolerance, of)
-    direct, small = np.linalg.svd(forward * units, compute_uv=False), _reciprocals(inverse / units[:, None], in_si)
-    singular, floor = _resolved(direct, small, _floor(direct, of.window, rounding), of)
-    return Spectrum(
-        eigenvalues=singular[:, ::-1] ** 2,
-        floor=floor**2,
-        scaled=scaled,
-        rank=of.rank,
-        tolerance=tolerance,
-        unseen=unseen,
-    )
+    return LiftedSpectrum(remainders=of, rounding=rounding)
 
 
 def _floor(singular: Float[Array, "w n"], window: float, rounding: float) -> Float[Array, "w"]:
@@ -148,7 +207,7 @@ def _floor(singular: Float[Array, "w n"], window: float, rounding: float) -> Flo
 
 def _reciprocals(inverse: Float[Array, "w 13 13"], unseen: Float[Array, "w 13 13"]) -> Float[Array, "w 13"]:
     """Singular values of H⁺ = (I − NNᵀ) M⁻¹R⁺, ascending: the reciprocals of those of H, zeros first."""
-    seen = inverse - unseen @ (unseen.swapaxes(1, 2) @ inverse)
+    seen = inverse - unseen @ (unseen.swapaxes(1, 2) @ inverse) if unseen.any() else inverse
     return np.linalg.svd(seen, compute_uv=False)[:, ::-1]
 
 
@@ -164,8 +223,13 @@ def _resolved(
     precise = 1 / np.maximum(np.take_along_axis(reciprocal, shift, axis=1), np.finfo(float).tiny)
     least = precise[w, of.rank - 1]
     values = np.where(direct < np.sqrt(direct[:, :1] * least[:, None]), np.minimum(precise, direct[:, :1]), direct)
-    margin = np.where(of.rank > CUBIC, of.singular[w, np.maximum(of.rank - CUBIC - 1, 0)], 1 / RANK_TOLERANCE)
-    floor = np.where(floor < least, floor, least / np.maximum(margin, 1 + RANK_TOLERANCE))
+    low = np.flatnonzero(~(floor < least))
+    if len(low):
+        some = of.some(low)
+        last = some.singular[np.arange(len(low)), np.maximum(some.rank - CUBIC - 1, 0)]
+        margin = np.where(some.rank > CUBIC, last, 1 / RANK_TOLERANCE)
+        floor = floor.copy()
+        floor[low] = least[low] / np.maximum(margin, 1 + RANK_TOLERANCE)
     return np.where(counted, values, np.minimum(direct, floor[:, None])), floor
 
 
