@@ -25,8 +25,8 @@ from rangenav.studies.parameters import Linear
 from rangenav.studies.study_file import StudyFile
 
 WORKERS = 2
-POINTS, RUNS, PART = 60, 40, 10
-"""2400 runs of 5 ms: 12 s of work, in parts of 2 s."""
+POINTS, RUNS, PART = 160, 40, 10
+"""6400 runs of 4.3 ms: 28 s of work, in parts of 1.7 s."""
 PEER_RUNS = 400
 ROUNDS = 3
 LONG_POINTS = 2500

@@ -50,5 +50,4 @@ axes = sigma.T.plot(norm=LogNorm()).axes
 sigma.T.plot.contour(ax=axes, levels=[required], colors="white")
 axes.set_title(f"{store.attrs['title']}: at most {required:g} m inside the line")
 plt.savefig(path.with_suffix(".png"))
-plt.close()
 print("drawn:", path.with_suffix(".png").stat().st_size > 10_000)
