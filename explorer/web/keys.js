@@ -41,7 +41,7 @@
 
   // The palette writes keys as viser names them.
   const KEYS = {arrowleft: '←', arrowright: '→', arrowup: '↑', arrowdown: '↓', space: 'Space', home: 'Home', escape: 'Esc'};
-  const rename = () => document.querySelectorAll('[class*=Spotlight-action] *').forEach(part => {
+  const rename = () => document.querySelectorAll('.mantine-Spotlight-action *').forEach(part => {
     if (part.children.length) return;
     const text = part.textContent, end = text.match(/^(.*\()?(arrow\w+|space|home|escape)(\))?$/);
     if (end && KEYS[end[2]]) part.firstChild.nodeValue = (end[1] || '') + KEYS[end[2]] + (end[3] || '');
