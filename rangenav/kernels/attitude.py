@@ -12,7 +12,7 @@ from rangenav.kernels.layout import Parameters
 
 LANES = 8
 """Filters side by side: two vectors of four, or one of eight."""
-S, MOVED, SIZE, ANGLE = 9 * LANES, 10 * LANES, 20 * LANES, 21 * LANES
+MOVED, SIZE, ANGLE = 9 * LANES, 18 * LANES, 19 * LANES
 """Places in the one array that they share, after their rotations: of loops of eight the compiler makes vector code only
 where it need not ask, while they run, whether two arrays overlap."""
 
@@ -100,21 +100,21 @@ def _kept(h, p):
 
 
 @inlined
-def small_step(r, s, kept, z0, z1, h, scheduled, p):
-    """The same, and the sum of the squares of both turns (rad²): right only where this is below SMALL_SQUARE.
+def small_step(r, z0, z1, h, p):
+    """The same of a constant gain, and the sum of the squares of both turns (rad²): right only where this is below
+    SMALL_SQUARE.
 
     z0, z1: gyro, mag and gravity at both ends.
     """
     m, g = _seen_from(r, p)
-    sx, sy, sz, seen0 = rate(m, g, s, z0[0], z0[1], z0[2], scheduled, p)
+    sx, sy, sz, _ = rate(m, g, 0.0, z0[0], z0[1], z0[2], False, p)
     ax, ay, az = h * sx, h * sy, h * sz
     turn = rot.small(ax, ay, az)
     m, g = rot.apply_inverse(turn, m[0], m[1], m[2]), rot.apply_inverse(turn, g[0], g[1], g[2])
-    ex, ey, ez, seen1 = rate(m, g, seen0 + kept * (s - seen0), z1[0], z1[1], z1[2], scheduled, p)
+    ex, ey, ez, _ = rate(m, g, 0.0, z1[0], z1[1], z1[2], False, p)
     bx, by, bz = h / 2 * (sx + ex), h / 2 * (sy + ey), h / 2 * (sz + ez)
     size = (ax * ax + ay * ay + az * az) + (bx * bx + by * by + bz * bz)
-    mean = (seen0 + seen1) / 2
-    return rot.orthonormal(rot.multiply(r, rot.small(bx, by, bz))), mean + kept * (s - mean), size
+    return rot.orthonormal(rot.multiply(r, rot.small(bx, by, bz))), size
 
 
 @kernel
@@ -124,26 +124,19 @@ def run(time, gyro, mag, gravity, truth, starts, rotations, errors, misaligned, 
     rotations[j, k] ← R̂ of filter j at sample k. errors[j, k] ← the angle (rad) of R R̂ᵀ, R = truth[k]. Either may have
     no rows, and is then not computed. Each filter has to the last bit what `step` gives it alone.
     """
-    w, p = np.empty(22 * LANES), unpacked(packed)
+    w, s, p = np.empty(20 * LANES), np.empty(LANES), unpacked(packed)
     for first in range(0, len(starts), LANES):
         count = min(LANES, len(starts) - first)
+        s[:] = misaligned
         for c in range(LANES):
             _put(w, c, rot.load(starts[first + min(c, count - 1)]))
-            w[S + c] = misaligned
         for k in range(len(time)):
             if k > 0:
                 z0 = rot.row(gyro, k - 1), rot.row(mag, k - 1), rot.row(gravity, k - 1)
                 z1, h = (rot.row(gyro, k), rot.row(mag, k), rot.row(gravity, k)), time[k] - time[k - 1]
-                _lanes(w, z0, z1, h, _kept(h, p), p)
-                largest = 0.0
-                for c in range(LANES):
-                    largest = max(largest, w[SIZE + c])
-                if largest < rot.SMALL_SQUARE:
-                    for i in range(MOVED):
-                        w[i] = w[MOVED + i]
-                else:
+                if p.scheduled or not _lanes(w, z0, z1, h, p):
                     for c in range(LANES):
-                        r, w[S + c] = step(_lane(w, c), w[S + c], z0[0], z1[0], z0[1], z1[1], z0[2], z1[2], h, p)
+                        r, s[c] = step(_lane(w, c), s[c], z0[0], z1[0], z0[1], z1[1], z0[2], z1[2], h, p)
                         _put(w, c, r)
             if len(rotations) > 0:
                 for c in range(count):
@@ -155,16 +148,19 @@ def run(time, gyro, mag, gravity, truth, starts, rotations, errors, misaligned, 
 
 
 @kernel
-def _lanes(w, z0, z1, h, kept, p):
-    """`small_step` of every lane, as vector code unless the gain is scheduled."""
-    if p.scheduled:
-        for c in range(LANES):
-            r, w[MOVED + S + c], w[SIZE + c] = small_step(_lane(w, c), w[S + c], kept, z0, z1, h, True, p)
-            _put(w, MOVED + c, r)
-    else:
-        for c in range(LANES):
-            r, w[MOVED + S + c], w[SIZE + c] = small_step(_lane(w, c), w[S + c], 1.0, z0, z1, h, False, p)
-            _put(w, MOVED + c, r)
+def _lanes(w, z0, z1, h, p):
+    """`small_step` of every lane, as vector code, if it is right for all of them; returns whether it is."""
+    for c in range(LANES):
+        r, w[SIZE + c] = small_step(_lane(w, c), z0, z1, h, p)
+        _put(w, MOVED + c, r)
+    largest = 0.0
+    for c in range(LANES):
+        largest = max(largest, w[SIZE + c])
+    if not largest < rot.SMALL_SQUARE:
+        return False
+    for i in range(MOVED):
+        w[i] = w[MOVED + i]
+    return True
 
 
 @kernel

@@ -78,16 +78,22 @@ def sample(z: Measurements, k: int) -> Sample:
 
 
 @pytest.mark.parametrize(("range_rate", "mag_rate"), [(200.0, 200.0), (333.0, 57.0)])
-@pytest.mark.parametrize("attitude", [AttitudeGains(), SCHEDULED], ids=["constant", "scheduled"])
+@pytest.mark.parametrize(
+    "attitude", [AttitudeGains(), AttitudeGains(k1=40.0), SCHEDULED], ids=["constant", "large turns", "scheduled"]
+)
 def test_many_starts_at_once_are_each_what_it_is_alone(attitude: AttitudeGains, range_rate: float, mag_rate: float):
     """Nothing flows back from the attitude into x̂, so one x̂ serves all starts, to the last bit."""
     scene = records.scene("paper-slow", duration=2.0, range_rate=range_rate, mag_rate=mag_rate)
     setting = scene.setting(Gains(attitude=attitude))
     rotations = Rotation.random(5, np.random.default_rng(4)).as_matrix()
     together = cascade.attitudes(scene.measurements, scene.start, setting, rotations=rotations)
-    for rotation, computed in zip(rotations, together, strict=True):
+    truth = scene.truth.motion.rotation
+    shared = cascade.observe(scene.measurements, scene.start, setting)
+    angles = cascade.attitude_errors(scene.measurements, shared, setting, rotations=rotations, truth=truth)
+    for rotation, computed, angle in zip(rotations, together, angles, strict=True):
         alone = cascade.observe(scene.measurements, Start(state=scene.start.state, rotation=rotation), setting)
         np.testing.assert_array_equal(computed, alone.rotation)
+        np.testing.assert_array_equal(angle, scene.errors(alone).attitude)
 
 
 def test_many_starts_need_a_magnetometer_from_the_first_sample():
