@@ -17,7 +17,7 @@
   document.addEventListener('pointerdown', () => { byKeyboard = false; }, true);
 
   const HEAD = '.mantine-Paper-root > .mantine-Paper-root:first-child';
-  const isOpen = head => head.nextElementSibling !== null && head.nextElementSibling.getBoundingClientRect().height >= 2;
+  const isOpen = head => head.querySelector('.tabler-icon-chevron-up') !== null;  // its height would follow later
   const folders = () => document.querySelectorAll(HEAD).forEach(head => {
     if (head.style.cursor !== 'pointer') { head.removeAttribute('tabindex'); head.removeAttribute('role'); return; }
     put(head, {role: 'button', tabindex: '0', 'aria-expanded': String(isOpen(head))});
