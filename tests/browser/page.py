@@ -4,6 +4,7 @@ A control is found by its label, a plot by the label of one of its curves, a nod
 is what the browser has: chart data, node poses, text on the page.
 """
 
+import json
 import math
 import os
 import re
@@ -80,7 +81,9 @@ BLUR = "() => document.activeElement.blur()"
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
 """viser's own, at each press on a node that can be dragged; the drag is none the worse for it."""
 TAB = "[role=tab]:visible"
-"""To look for it by its role and name takes three times as long: for that every element's name is computed."""
+BUTTON = """:is(button, [role=button]):not(.mantine-Paper-root)\
+:is(:has-text(NAME):not([aria-label]), [aria-label*=NAME i]):visible"""
+"""To look for them by role and name takes three times as long: for that every element's name is computed."""
 Read = TypeVar("Read")
 ROW = "xpath=ancestor::div[./div[2]][1]/div[2]"
 """From the label of a control to the control itself."""
@@ -334,8 +337,7 @@ class Visitor:
 
     def press(self, label: str) -> None:
         """Press a button; the heading of a folder is none here."""
-        buttons = self.page.get_by_role("button", name=label, exact=False)
-        buttons.and_(self.page.locator(":not(.mantine-Paper-root)")).first.click()
+        self.page.locator(BUTTON.replace("NAME", json.dumps(label, ensure_ascii=False))).first.click()
         time.sleep(INPUT_PAUSE)
 
     def upload(self, label: str, name: str, content: bytes) -> None:
