@@ -228,6 +228,7 @@ class Visitor:
         if self._new:
             self._new = False
             self.tab("Motion")
+            self.page.evaluate(BLUR)
             return
         self.tab("Presets")
         if FIRST in self.typed("preset"):
