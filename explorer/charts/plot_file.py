@@ -11,7 +11,8 @@ import itertools
 import math
 import textwrap
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -115,16 +116,24 @@ WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {
 }
 
 
+@contextmanager
+def drawing_settings() -> Iterator[None]:
+    """The settings of every picture that matplotlib draws, for one picture at a time."""
+    from matplotlib import rc_context
+
+    with _MATPLOTLIB, rc_context(RC_SETTINGS):
+        yield
+
+
 def picture(panels: Sequence[Panel], kind: PictureFormat, summary: Summary | None = None) -> bytes:
     """One plot, or two side by side below a summary in words."""
-    from matplotlib import rc_context  # takes half a second, so only when a picture is wanted
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # takes half a second, so only when a picture is wanted
 
     buffer, alone = io.BytesIO(), len(panels) == 1
     lines = [] if summary is None else _lines(summary)
     width, plot_height = SIZE if alone else SIZE_OF_TWO
     above = LINE_HEIGHT * (len(lines) + 1) if lines else 0.0
-    with _MATPLOTLIB, rc_context(RC_SETTINGS):
+    with drawing_settings():
         figure = Figure(figsize=(width, plot_height + above), layout="constrained")
         for k, panel in enumerate(panels):
             axes = figure.add_subplot(1, len(panels), k + 1)

@@ -71,6 +71,12 @@ SETTLING_SCALE: tuple[Color, ...] = (
 NEVER_SETTLES = VERMILLION
 """Not on the scale; what never settles is also larger and of another shape."""
 
+# Maps of two parameters
+MAP_SCALE = SETTLING_SCALE
+"""From the best value (light) to the worst (dark); where neither is better, from the least to the largest."""
+MAP_INVALID, MAP_LINE, MAP_EDGE = "#9A9A9A", "#FFFFFF", "#141414"
+"""A point that cannot be computed; and lines over the map, light with a dark edge, which every colour shows."""
+
 # Text and controls
 GOOD, WARNING, ERROR = "light-dark(#00785A, #4FD1AD)", "light-dark(#9A5B00, #F0B35A)", "light-dark(#B3261E, #FF8F86)"
 UNOBSERVABLE = "light-dark(#7A3E00, #E0A878)"

@@ -7,11 +7,11 @@ from typing import Any
 import viser
 
 from explorer.lessons.lesson import Place
-from explorer.web import accessibility, keys
+from explorer.web import accessibility, cells, keys
 from explorer.web.elements import Step, place_of
 from explorer.widgets.form import Form
 
-TABS = ("Learn", "Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Export")
+TABS = ("Learn", "Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Studies", "Export")
 KEYS = (
     "Space plays and pauses · ← and → step · Home goes to the start · Ctrl+Z undoes, Ctrl+Shift+Z redoes · "
     "Ctrl+K finds everything · Esc lets go of a handle · on a slider ← and → move the slider"
@@ -30,6 +30,7 @@ class Commands:
         shown = {label: hint for label, hint in hints.items() if hint}
         keys.install(client, shown)
         accessibility.install(client, form.hints | shown)
+        cells.install(client)
         for tab in (*TABS, *(("Class",) if in_class else ())):
             self._go(f"{tab} tab", [("tab", tab)], "")
         for name in hints:

@@ -30,6 +30,7 @@ from explorer.panels.presets.import_panel import ImportPanel
 from explorer.panels.presets.printed import PrintedPanel
 from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.session_actions import SessionActions
+from explorer.panels.studies import StudiesPanel
 from explorer.panels.undo import UndoPanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.welcome import add_welcome
@@ -92,8 +93,11 @@ class Dock:
             imports = self._add_presets()
         with tabs.add_tab("Compare"):
             self.compare = ComparePanel(form, jobs, session_actions.show_side_by_side)
+        with tabs.add_tab("Studies"):
+            first = catalog.presets[name]
+            self.studies = StudiesPanel(form, self, jobs, catalog, session_actions.send, first=first)
         self.belonging: list[Belonging] = [
-            self.presets, self.repair, self.bundle, imports, self.tuning, self.basin, self.compare
+            self.presets, self.repair, self.bundle, imports, self.tuning, self.basin, self.compare, self.studies
         ]  # fmt: skip
         """The panels that drop what belongs to a preset as soon as another one is on the page."""
         self.following: list[Callable[[Picture], None]] = []
@@ -243,6 +247,7 @@ class Dock:
         self.repair.draw(picture)
         self.bundle.draw(picture)
         self.learn.draw(picture)
+        self.studies.follow(picture)
         for draw in self.following:
             draw(picture)
 
@@ -250,6 +255,7 @@ class Dock:
         """Draw what takes a while in these tabs alone from now on; None for all tabs. An opened tab is drawn at
         once."""
         self._tabs_in_sight.see(tabs)
+        self.studies.see(tabs)
 
     @property
     def actions(self) -> dict[str, Action]:
@@ -268,6 +274,7 @@ class Dock:
         """Show the progress and the outcome of a search beside its button; below the verdict, if the verdict or the
         palette began it."""
         job = self.form.draw_progress()
+        self.studies.refresh()
         searches = [one for one in (self.repair, self.tuning) if one.progress.away and one.outcome]
         outcome, answers = (searches[0].outcome, searches[0].answers) if searches else ("", ())
         self.verdict.draw_progress(job, outcome, answers)

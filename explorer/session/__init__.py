@@ -231,6 +231,7 @@ class Session:
             wake=self._wake.set,
         )
         self._in_class = part_in_class(visit, self.shared)
+        self.dock.studies.follows = lambda: self._in_class.following
         self._appearance = Appearance(
             client, self.dock, self.charts, scene, self._display, in_class=self._visitor is not None
         )
@@ -300,8 +301,9 @@ class Session:
         self._address.follow(self._door.window)
         self._in_class.before()
         for name in self._door.take_events():
-            if name in self._actions:
-                self.form.do(self._actions[name], away=True)
+            action = self._actions.get(name) or self.dock.studies.action(name)
+            if action is not None:
+                self.form.do(action, away=True)
         applied = self._apply_changes()
         self.form.refresh()
         self.dock.draw_progress()

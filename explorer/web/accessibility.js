@@ -113,7 +113,7 @@
   document.addEventListener('keydown', key => { if (key.key !== 'Tab' && key.key !== 'Shift') hide(); }, true);
 
   // viser writes new HTML in place of the old: what had the focus is then another element with the same task
-  const TASKS = ['data-rn-event', 'data-rn-flag', 'data-rn-layer', 'data-rn-tab', 'data-curve'];
+  const TASKS = ['data-rn-event', 'data-rn-flag', 'data-rn-layer', 'data-rn-tab', 'data-curve', 'data-rn-grid'];
   let held = null;
   document.addEventListener('focusin', event => {
     const element = event.target, around = [];

@@ -34,7 +34,10 @@ SIZE, ARRIVAL, EVENT, NAME, LINK = (
     re.compile(r"[\w-]{1,15000}", re.ASCII),
 )
 FOLDER = Path(__file__).parent
-COLORS = f":root {{ --rn-dimmed: {palette.SECONDARY_TEXT}; }}\n"
+COLORS = (
+    f":root {{ --rn-dimmed: {palette.SECONDARY_TEXT}; --rn-map-line: {palette.MAP_LINE}; "
+    f"--rn-map-edge: {palette.MAP_EDGE}; --rn-map-notice: {palette.WARNING}; }}\n"
+)
 """The colours of the style sheet that the browser's theme lacks: viser's own grey of labels is too pale to be read."""
 MARK = '<span class="rn-door"></span>'
 

@@ -11,7 +11,6 @@ import msgspec
 import numpy as np
 from jaxtyping import Shaped
 from numpy import ndarray as Array
-from scipy.stats import qmc
 
 from rangenav import field_path, preset, signals
 from rangenav.inputs import require
@@ -172,6 +171,8 @@ def _with_path(of: Preset, name: str, factor: float) -> Preset:
 
 def _shares(file: StudyFile) -> Array:
     """Points in the unit cube, a row for each."""
+    from scipy.stats import qmc  # takes 0.3 s to load, and a map needs none of it
+
     rng = np.random.default_rng(file.seed)
     dimensions = len(file.parameters)
     assert not isinstance(file.design, Grid)

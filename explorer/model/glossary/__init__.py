@@ -8,6 +8,7 @@ import re
 from explorer.model.glossary.gains import PAPER_GAINS, PHYSICAL_GAINS, START
 from explorer.model.glossary.motion import MOTION
 from explorer.model.glossary.sensing import SENSING
+from explorer.model.glossary.studies import STUDIES
 from explorer.model.glossary.term import Term
 from explorer.model.glossary.verdict import COMPARE, VERDICT
 from rangenav import fields
@@ -21,6 +22,7 @@ CHAPTERS: dict[str, dict[str, Term]] = {
     "Gains as physical quantities": PHYSICAL_GAINS,
     "Where the observer starts": START,
     "Comparing and tuning": COMPARE,
+    "Maps of two parameters": STUDIES,
 }
 TERMS: dict[str, Term] = {key: term for chapter in CHAPTERS.values() for key, term in chapter.items()}
 """Every term by its key."""

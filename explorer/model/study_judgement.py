@@ -1,0 +1,185 @@
+"""How a map is judged and drawn: its requirement, its best cell, its scale of colours, and the contour.
+
+bound_of(metric, preset)      what the metric must not exceed, or must reach
+contour                       where log₁₀ of the metric, or the metric, has the value of the bound
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import contourpy
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from explorer.model.study_map import FLYABLE, Cell
+from rangenav.preset import Preset
+from rangenav.studies.maps import StudyMap
+from rangenav.studies.metrics import ROWS
+from rangenav.vehicle import THRUST_MARGIN
+
+DECADES = 4.0
+"""Most of a logarithmic scale, from its best end: a blind map reaches 10⁸ m, and the rest would have one colour."""
+MORE_IS_BETTER = frozenset({"mu", "rank", "rank_nonlinear", "observable", "anchor_distance", FLYABLE, "settled"})
+NEITHER = frozenset({"nees"})
+LOGARITHMIC = frozenset({"mu", "sigma_lifted", "sigma_nonlinear", "snap", "nees"}) | {
+    row.name for row in ROWS if row.name.startswith(("steady", "peak", "final"))
+}
+
+
+class Bound(NamedTuple):
+    """What a metric must not exceed, or must reach."""
+
+    level: float
+    most: bool
+    """Whether the level is the largest value allowed; else it is the least."""
+    words: str
+    """Where it comes from."""
+
+    def met(self, values: Float[Array, "n m"]) -> Bool[Array, "n m"]:
+        """Whether each value meets it; NaN does not."""
+        with np.errstate(invalid="ignore"):
+            return values <= self.level if self.most else values >= self.level
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a map says in numbers."""
+
+    best: Cell | None
+    """The best cell that the vehicle can fly, or the best of all if it can fly none; None if no cell has a value."""
+    meeting: float | None
+    """The share of the computed cells that meet the bound and keep the vehicle's limits; None without a bound."""
+    flyable: float | None
+    """The share of the computed cells that keep the vehicle's limits; None if that was not computed."""
+
+
+def bound_of(metric: str, preset: Preset) -> Bound | None:
+    """The requirement of a preset, or the limit of its vehicle, that a metric is compared with; None without one."""
+    of = BOUNDS.get(metric)
+    return None if of is None else of(preset)
+
+
+def judged(of: StudyMap, metric: str, bound: Bound | None) -> Judged:
+    """The best cell and the shares, of the cells that are computed."""
+    count = int(of.computed.sum())
+    can_fly = of.values[FLYABLE] == 1.0 if FLYABLE in of.values else None
+    if count == 0:
+        return Judged(None, None, None)
+    good = of.computed if can_fly is None else of.computed & can_fly
+    meeting = None if bound is None else int((good & bound.met(of.values[metric])).sum()) / count
+    flyable = None if can_fly is None else int((of.computed & can_fly).sum()) / count
+    return Judged(_best(of, metric, good), meeting, flyable)
+
+
+def shares(of: StudyMap, metric: str) -> tuple[Float[Array, "n m"], tuple[float, float] | None]:
+    """Where the values lie on the scale of colours, 0 at its light end and 1 at its dark one, NaN without a value; and
+    the values at both ends, None if no value is finite. A value beyond the ends has the colour of the end."""
+    values = of.filled(metric)
+    worst = 1.0 if metric in MORE_IS_BETTER else -1.0
+    log = _log(metric, values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scaled = np.log10(values) if log else values
+    finite = scaled[np.isfinite(scaled)]
+    if not len(finite):
+        return np.where(np.isnan(values), np.nan, 1.0), None
+    low, high = float(finite.min()), float(finite.max())
+    if log and high - low > DECADES:
+        low, high = (high - DECADES, high) if worst > 0 else (low, low + DECADES)
+    light, dark = (high, low) if worst > 0 else (low, high)
+    span = dark - light if dark != light else 1.0
+    share = np.clip((scaled - light) / span, 0.0, 1.0)
+    ends = (10.0**light, 10.0**dark) if log else (light, dark)
+    return share, ends
+
+
+def on_scale(metric: str, ends: tuple[float, float], value: float) -> float | None:
+    """Where a value lies on the scale of colours, from 0 to 1; None if it lies beyond."""
+    light, dark = ends
+    if light == dark:
+        return None
+    if metric in LOGARITHMIC and min(light, dark, value) > 0:
+        light, dark, value = (float(np.log10(one)) for one in (light, dark, value))
+    share = (value - light) / (dark - light)
+    return share if 0.0 <= share <= 1.0 else None
+
+
+def contour(of: StudyMap, metric: str, bound: Bound | None) -> list[Float[Array, "k 2"]]:
+    """Lines where a metric has the value of its bound, in indices of the two parameters; of the finest level that is
+    complete. Infinite values count as a decade beyond the largest finite one."""
+    if bound is None or of.step == 0:
+        return []
+    values = of.values[metric][:: of.step, :: of.step]
+    log = _log(metric, values) and bound.level > 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scaled = np.log10(values) if log else values.copy()
+    level = float(np.log10(bound.level)) if log else bound.level
+    finite = scaled[np.isfinite(scaled)]
+    if min(scaled.shape) < 2 or not len(finite):
+        return []
+    scaled[np.isposinf(scaled)] = max(float(finite.max()), level) + 1.0
+    scaled[np.isneginf(scaled)] = min(float(finite.min()), level) - 1.0
+    across, upwards = (np.arange(count) * float(of.step) for count in scaled.shape)
+    drawn = contourpy.contour_generator(across, upwards, np.ma.masked_invalid(scaled.T))
+    return [np.asarray(line) for line in drawn.lines(level)]
+
+
+def not_flyable(of: StudyMap) -> Bool[Array, "n m"]:
+    """Where a vehicle's limit is broken; cells that are not computed yet are like the nearest coarser one."""
+    if FLYABLE not in of.values:
+        return np.zeros(of.computed.shape, dtype=bool)
+    return of.filled(FLYABLE) == 0.0
+
+
+def _log(metric: str, values: Array) -> bool:
+    return metric in LOGARITHMIC and bool(np.any(values[np.isfinite(values)] > 0))
+
+
+def _best(of: StudyMap, metric: str, good: Bool[Array, "n m"]) -> Cell | None:
+    values = of.values[metric]
+    for among in (good, of.computed):
+        usable = among & np.isfinite(values)
+        if usable.any():
+            away = np.abs(np.log(np.maximum(values, 1e-300))) if metric in NEITHER else values
+            away = -away if metric in MORE_IS_BETTER else away
+            i, j = np.unravel_index(int(np.argmin(np.where(usable, away, np.inf))), values.shape)
+            return int(i), int(j)
+    return None
+
+
+def _required_error(preset: Preset) -> Bound:
+    return Bound(preset.requirement.position_sigma, True, "position error wanted")
+
+
+def _vehicle(name: str, *, most: bool = True, share: float = 1.0) -> Callable[[Preset], Bound | None]:
+    def bound(preset: Preset) -> Bound | None:
+        limit = getattr(preset.vehicle, name)
+        return None if limit is None else Bound(limit * share, most, f"limit of the {preset.vehicle.name}")
+
+    return bound
+
+
+def _yes(words: str) -> Callable[[Preset], Bound]:
+    return lambda _: Bound(0.5, False, words)
+
+
+BOUNDS: Mapping[str, Callable[[Preset], Bound | None]] = {
+    "mu": lambda preset: Bound(preset.requirement.mu, False, "excitation μ wanted"),
+    "sigma_lifted": _required_error,
+    "sigma_nonlinear": _required_error,
+    "steady_position": _required_error,
+    "rank": lambda _: Bound(12.5, False, "all 13 quantities"),
+    "rank_nonlinear": lambda _: Bound(8.5, False, "all 9 quantities"),
+    "observable": _yes("observable"),
+    FLYABLE: _yes("keeps the vehicle's limits"),
+    "settled": _yes("position and attitude settle"),
+    "diverged": lambda _: Bound(0.5, True, "has not diverged"),
+    "speed": _vehicle("speed"),
+    "acceleration": _vehicle("acceleration"),
+    "thrust_to_weight": _vehicle("thrust_to_weight", share=1 / (1 + THRUST_MARGIN)),
+    "body_rate": _vehicle("body_rate"),
+    "snap": _vehicle("snap"),
+    "anchor_distance": _vehicle("anchor_distance_min", most=False),
+}
+"""What each metric is compared with; the others have no requirement."""

@@ -1,0 +1,100 @@
+"""A map as a file: a table (CSV) with every metric of every point, a picture (SVG, PNG), or the study's file (TOML)."""
+
+import csv
+import io
+from typing import Literal
+
+import numpy as np
+
+from explorer.charts.plot_file import DOTS, METADATA, drawing_settings
+from explorer.model import palette
+from explorer.model.basin import on_scale as colour_at
+from explorer.model.study_judgement import contour, not_flyable, shares
+from explorer.panels.studies.picture import SHADES, Shown, ticks
+from rangenav.number_format import quantity, significant
+from rangenav.studies.metrics import METRICS
+from rangenav.studies.study import Study
+
+MapFormat = Literal["csv", "svg", "png"]
+SIZE = (6.4, 5.0)
+"""Width and height in inches."""
+
+
+def table(of: Study, shown: Shown) -> bytes:
+    """CSV in UTF-8: a line of names with their units, then a line for each point; the first parameter is the slowest.
+
+    A cell is empty where there is no value; "inf" where it is infinite. The last column says why a point is invalid.
+    """
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    metrics = of.file.metrics
+    named = [_named(one.path, one.unit) for one in shown.names]
+    writer.writerow([*named, *(_named(name, METRICS[name].unit) for name in metrics), "reason"])
+    of_map = shown.map
+    for i, j in np.ndindex(of_map.computed.shape):
+        if of_map.computed[i, j]:
+            values = (float(of_map.values[name][i, j]) for name in metrics)
+            cells = ("" if np.isnan(value) else repr(value) for value in values)
+            writer.writerow([repr(float(of_map.first[i])), repr(float(of_map.second[j])), *cells, of_map.reason[i, j]])
+    return buffer.getvalue().encode()
+
+
+def picture(shown: Shown, kind: Literal["svg", "png"]) -> bytes:
+    """The map with its axes, colours, contour, hatching and cross, as the page shows it."""
+    with drawing_settings():
+        from matplotlib.colors import ListedColormap
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=SIZE, layout="constrained")
+        axes = figure.add_subplot()
+        of, metric = shown.map, METRICS[shown.metric]
+        share, ends = shares(of, shown.metric)
+        invalid = of.computed & (of.reason != "")
+        scale = ListedColormap(colour_at(np.linspace(0.0, 1.0, SHADES)) / 255.0)
+        scale.set_bad(palette.MAP_INVALID)
+        drawn = axes.imshow(
+            np.where(invalid, np.nan, share).T, origin="lower", aspect="auto", cmap=scale, vmin=0.0, vmax=1.0
+        )
+        _over(axes, shown, invalid)
+        for place, axis, set_ticks in zip((0, 1), shown.axes, (axes.set_xticks, axes.set_yticks), strict=True):
+            count = of.computed.shape[place]
+            set_ticks([at * count - 0.5 for at, _ in ticks(axis)], [text for _, text in ticks(axis)])
+        axes.set_xlabel(shown.names[0].caption)
+        axes.set_ylabel(shown.names[1].caption)
+        axes.set_title(_named(metric.title, metric.unit), loc="left", fontsize="medium", fontweight="bold")
+        bar = figure.colorbar(drawn, ax=axes)
+        bar.set_ticks([0.0, 1.0], labels=["", ""] if ends is None else [significant(end) for end in ends])
+        if shown.bound is not None:
+            level = quantity(shown.bound.level, metric.unit)
+            figure.supxlabel(f"line: {shown.bound.words}, {level}; hatched: vehicle's limits broken", fontsize="small")
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format=kind, dpi=DOTS, metadata=METADATA[kind])
+    return buffer.getvalue()
+
+
+def _over(axes: object, shown: Shown, invalid: np.ndarray) -> None:
+    """Contour, hatching, marks and cross over the cells."""
+    from matplotlib.axes import Axes
+
+    assert isinstance(axes, Axes)
+    n, m = shown.map.computed.shape
+    edges = np.arange(n + 1) - 0.5, np.arange(m + 1) - 0.5
+    hatched = not_flyable(shown.map) & ~invalid
+    if hatched.any():
+        axes.pcolor(*edges, np.ma.masked_where(~hatched.T, np.ones((m, n))), hatch="//", alpha=0.0)
+    i, j = np.nonzero(invalid)
+    axes.plot(i, j, linestyle="none", marker="x", color=palette.MAP_EDGE, markersize=4)
+    i, j = np.nonzero(np.isinf(shown.map.values[shown.metric]))
+    axes.plot(i, j, linestyle="none", marker=".", color=palette.MAP_LINE, markersize=3)
+    for line in contour(shown.map, shown.metric, shown.bound):
+        for color, width in ((palette.MAP_EDGE, 3.0), (palette.MAP_LINE, 1.5)):
+            axes.plot(line[:, 0], line[:, 1], color=color, linewidth=width)
+    if shown.cross is not None:
+        for color, width in ((palette.MAP_EDGE, 4.0), (palette.MAP_LINE, 2.0)):
+            axes.plot(*shown.cross, linestyle="none", marker="+", markersize=14, markeredgewidth=width, color=color)
+    axes.set_xlim(-0.5, n - 0.5)
+    axes.set_ylim(-0.5, m - 0.5)
+
+
+def _named(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else name
