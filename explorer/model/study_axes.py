@@ -4,7 +4,10 @@ candidates(preset)      each with its label and its unit
 usual(preset, path)     the range that the page offers first
 """
 
+import math
+import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +18,7 @@ from explorer.model.glossary import TERMS, field_label
 from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE
 from rangenav import field_path
 from rangenav.inputs import require_within
+from rangenav.motion import DirectionWarning
 from rangenav.preset import Preset
 from rangenav.studies import units
 from rangenav.studies.parameters import SIZE, TIME_SCALE, Linear, Log, Scale
@@ -32,11 +36,16 @@ FIRST = (
 """What most maps are about stands first in the menu."""
 OMITTED = ("version", "seed", "source", "requirement.mu", "requirement.position_sigma")
 """Keys that decide no run, or that a map compares with."""
-DERIVED_LABELS = {SIZE: "size of the path, times the present one", TIME_SCALE: "time scale (slow-down factor)"}
+DERIVED_LABELS = {SIZE: "size of the path", TIME_SCALE: "time scale"}
+TIMES = "×"
+"""The unit of both: so many times as large as now, so many times slower."""
 MAX_ENTRIES = 40
 """Numbers of one list; those of a longer one are a recorded path."""
 FACTOR, AROUND, DIGITS = 4.0, 1.0, 3
-"""A positive gain or noise is varied by this factor; what may be zero by so much, at least; digits of the ends."""
+"""Size, time scale and noise are varied by this factor; what may be zero by so much, at least; digits of the ends."""
+WIDE = {"gains.riccati.": 100.0, "gains.attitude.": 16.0}
+"""The factors of gains, which matter by their orders of magnitude."""
+MAX_HALVINGS = 6
 MARGIN, BOX_SAMPLES = 0.75, 200
 """The anchor is varied over the box of the path, with this share of its longer side around it."""
 
@@ -61,7 +70,7 @@ def candidates(preset: Preset) -> tuple[Candidate, ...]:
     table = msgspec.json.decode(msgspec.json.encode(preset))
     rows = {path: key for path, key in _numbers(table, "", "") if not key.startswith(OMITTED)}
     of_file = {path: Candidate(path, _label(path, key), _unit(preset, path, key)) for path, key in rows.items()}
-    known = of_file | {path: Candidate(path, label) for path, label in DERIVED_LABELS.items()}
+    known = of_file | {path: Candidate(path, label, TIMES) for path, label in DERIVED_LABELS.items()}
     first = [path for path in FIRST if path in known]
     return tuple(known[path] for path in [*first, *(path for path in known if path not in first)])
 
@@ -98,11 +107,35 @@ def usual(preset: Preset, path: str) -> Linear | Log:
         low, high = _around_path(preset, field_path.COMPONENTS[path[-1]])
         return Linear(path=path, low=_rounded(low), high=_rounded(high), count=COUNT)
     if value > 0 and path.startswith(("gains.", "sensors.")):
-        wide = FACTOR**2 if path.startswith("gains.riccati") else FACTOR
-        return Log(path=path, low=_rounded(value / wide), high=_rounded(value * wide), count=COUNT)
+        wide = next((factor for begin, factor in WIDE.items() if path.startswith(begin)), FACTOR)
+        low, high = (_allowed(preset, path, value, end, log=True) for end in (value / wide, value * wide))
+        return Log(path=path, low=low, high=high, count=COUNT)
     about = max(abs(value) / 2, AROUND)
-    low = value / 2 if value > 0 else value - about
-    return Linear(path=path, low=_rounded(low), high=_rounded(value + about), count=COUNT)
+    ends = value / 2 if value > 0 else value - about, value + about
+    low, high = (_allowed(preset, path, value, end, log=False) for end in ends)
+    return Linear(path=path, low=low, high=high, count=COUNT)
+
+
+def _allowed(preset: Preset, path: str, value: float, end: float, *, log: bool) -> float:
+    """The end of a range; half the way to it, or a quarter, if the preset cannot have it."""
+    for _ in range(MAX_HALVINGS):
+        rounded = _rounded(end)
+        try:
+            with any_length():
+                field_path.replaced(preset, {path: rounded})
+        except ValueError:
+            end = math.sqrt(value * end) if log else (value + end) / 2
+        else:
+            return rounded
+    return _rounded(end)
+
+
+@contextmanager
+def any_length() -> Iterator[None]:
+    """Within it nobody is warned of a direction that is no unit vector: a map varies its components."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DirectionWarning)
+        yield
 
 
 def _around_path(preset: Preset, axis: int) -> tuple[float, float]:

@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from explorer.model.settings import Settings, effective
+from explorer.model.study_axes import COUNT, any_length
 from rangenav import field_path
 from rangenav.preset import Preset
 from rangenav.studies import study
@@ -35,6 +36,10 @@ class Ready:
     hint: str
     paths: tuple[str, str]
     metric: str
+    count: int = COUNT
+    """Points along each axis."""
+    runs: int = 1
+    """Seeds at each point: the scatter of one would hide what the gains do."""
 
 
 READY = (
@@ -58,6 +63,8 @@ READY = (
         "Maps the steady error over q and k1; the menu of metrics also shows the settling times.",
         ("gains.riccati.q", "gains.attitude.k1"),
         "steady_position",
+        count=17,
+        runs=4,
     ),
 )
 
@@ -107,7 +114,8 @@ def taken(settings: Settings, values: Mapping[str, float]) -> Settings:
         base = settings.preset
     if listed:
         one = StudyFile(title="one cell", presets=("cell",), parameters=tuple(listed), metrics=("mu",))
-        base_of_cell = study.of_file(one, (base,)).preset_at(0)
+        with any_length():
+            base_of_cell = study.of_file(one, (base,)).preset_at(0)
     else:
         base_of_cell = base
     if of_slider is not None:
@@ -142,16 +150,16 @@ class Place:
     """Where the design on the page lies on a map, and whether the map is of it at all.
 
     A map is of the design as long as nothing but its two parameters has changed. The size of a path is no number of a
-    preset: the paths that cells of the map have led to are known by their sizes.
+    preset: the paths that cells of the map have led to are known, each with its values.
     """
 
     def __init__(self, settings: Settings, of: Study) -> None:
         self._settings = settings
         self.axes: tuple[Axis, Axis] = of.file.parameters[:2]  # pyright: ignore[reportAttributeAccessIssue]
         self._paths = (self.axes[0].path, self.axes[1].path)
-        self._sizes = {self._path(settings): 1.0}
         numbers = [path for path in self._paths if path not in (SIZE, TIME_SCALE)]
         self._first = {path: field_path.value(design(settings, self._paths), path) for path in numbers}
+        self._known: dict[object, Mapping[str, float]] = {self._path(settings): self._first | {SIZE: 1.0}}
         self._key = self._without_axes(settings)
 
     def take(self, settings: Settings, values: Mapping[str, float]) -> Settings:
@@ -164,7 +172,7 @@ class Place:
         printed = msgspec.structs.replace(settings.printed, initial_values=cell.printed.initial_values)
         result = msgspec.structs.replace(settings, preset=preset, time_scale=cell.time_scale, printed=printed)
         if SIZE in values:
-            self._sizes[self._path(result)] = values[SIZE]
+            self._known[self._path(result)] = values
         return result
 
     def values(self, settings: Settings) -> tuple[float, float] | None:
@@ -178,8 +186,8 @@ class Place:
         return None if first is None or second is None else (first, second)
 
     def _value(self, settings: Settings, path: str) -> float | None:
-        if path == SIZE:
-            return self._sizes.get(self._path(settings))
+        if path == SIZE or (SIZE in self._paths and path.startswith("path.")):
+            return self._known.get(self._path(settings), {}).get(path)
         if path == TIME_SCALE:
             return settings.time_scale if _own_time_scale(settings, self._paths) else 1.0
         return field_path.value(design(settings, self._paths), path)
@@ -190,10 +198,11 @@ class Place:
     def _without_axes(self, settings: Settings) -> Preset:
         """The design with the values that both parameters had first: only what else has changed makes a difference."""
         of = design(settings, self._paths)
-        if SIZE in self._paths and of.path in self._sizes:
-            of = msgspec.structs.replace(of, path=next(iter(self._sizes)))  # pyright: ignore[reportArgumentType]
+        if SIZE in self._paths and of.path in self._known:
+            of = msgspec.structs.replace(of, path=design(self._settings, self._paths).path)
         of = msgspec.structs.replace(of, title="map", story="", expect="observable")
-        return field_path.replaced(of, self._first) if self._first else of
+        with any_length():
+            return field_path.replaced(of, self._first) if self._first else of
 
 
 def _own_time_scale(settings: Settings, paths: tuple[str, ...]) -> bool:

@@ -77,7 +77,7 @@ ROWS_OF_TABS = """() => new Set([...document.querySelectorAll('[data-dock-region
 LEAST = 18.0
 """px: at 6 m from a projector's picture of 2 m, an arc of 10 minutes."""
 CONTROLS = "[data-dock-region=right]"
-TABS = ("Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Export")
+TABS = ("Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Studies", "Export")
 
 
 @pytest.fixture(scope="module")

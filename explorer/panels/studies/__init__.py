@@ -185,7 +185,7 @@ class StudiesPanel:
         cross, bound = None if values is None else _cross(axes, values), bound_of(metric, base)
         said = text.sentence(of, names, metric, bound, judged(of, metric, bound), values, inside=cross is not None)
         if self.progress.running is None and of.share < 1:
-            said = f"Stopped when {of.share:.0%} of the points were computed. {said}"
+            said = f"Stopped: {int(of.computed.sum())} of {of.computed.size} points are computed. {said}"
         return Shown(
             map=of,
             axes=axes,

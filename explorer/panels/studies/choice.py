@@ -1,5 +1,7 @@
 """What a visitor chooses for a map: its axes, its metric, and how many seeds each point has."""
 
+import msgspec
+
 from explorer.model import study_axes
 from explorer.model.glossary import STUDIES
 from explorer.model.study_map import READY, Axis, Ready
@@ -53,8 +55,9 @@ class MapChoice:
     def write_ready(self, ready: Ready, design: Preset) -> None:
         """Choose a ready map of a design. Raises ValueError if the design has not its parameters."""
         for controls, path in zip(self.axes, ready.paths, strict=True):
-            controls.write(study_axes.usual(design, path))
+            controls.write(msgspec.structs.replace(study_axes.usual(design, path), count=ready.count))
         self.metric.write(ready.metric, None)
+        self.runs.write(float(ready.runs), None)
 
     def put_across(self, label: str, design: Preset) -> None:
         """Put the parameter whose label begins so on the axis across. Raises ValueError if there is none."""
@@ -74,6 +77,6 @@ class MapChoice:
         for controls in self.axes:
             controls.refresh()
         (first, second), _, _ = self.read()
-        keys = f"In the preset's file: <code>{escaped(first.path)}</code> → <code>{escaped(second.path)}</code> ↑"
+        keys = f"Keys of a study's file: → <code>{escaped(first.path)}</code>, ↑ <code>{escaped(second.path)}</code>"
         if NOTE.format(keys) != self._paths.content:
             self._paths.content = NOTE.format(keys)

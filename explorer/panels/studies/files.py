@@ -15,7 +15,7 @@ from rangenav.progress import Cancelled, Progress
 from rangenav.studies import study_file
 from rangenav.studies.study import Study
 
-LABEL = "map as a file"
+LABEL = "save map as"
 HINT = (
     "CSV: every metric of every point that is computed. Study: the same map as a file for the command line, which "
     "runs it with more points on more machines. Preset: the design that the study's file names."

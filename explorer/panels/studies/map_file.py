@@ -2,7 +2,7 @@
 
 import csv
 import io
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from explorer.panels.studies.picture import SHADES, Shown, ticks
 from rangenav.number_format import quantity, significant
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.study import Study
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MapFormat = Literal["csv", "svg", "png"]
 SIZE = (6.4, 5.0)
@@ -51,7 +54,6 @@ def picture(shown: Shown, kind: Literal["svg", "png"]) -> bytes:
         share, ends = shares(of, shown.metric)
         invalid = of.computed & (of.reason != "")
         scale = ListedColormap(colour_at(np.linspace(0.0, 1.0, SHADES)) / 255.0)
-        scale.set_bad(palette.MAP_INVALID)
         drawn = axes.imshow(
             np.where(invalid, np.nan, share).T, origin="lower", aspect="auto", cmap=scale, vmin=0.0, vmax=1.0
         )
@@ -72,16 +74,15 @@ def picture(shown: Shown, kind: Literal["svg", "png"]) -> bytes:
     return buffer.getvalue()
 
 
-def _over(axes: object, shown: Shown, invalid: np.ndarray) -> None:
+def _over(axes: "Axes", shown: Shown, invalid: np.ndarray) -> None:
     """Contour, hatching, marks and cross over the cells."""
-    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
 
-    assert isinstance(axes, Axes)
     n, m = shown.map.computed.shape
-    edges = np.arange(n + 1) - 0.5, np.arange(m + 1) - 0.5
     hatched = not_flyable(shown.map) & ~invalid
-    if hatched.any():
-        axes.pcolor(*edges, np.ma.masked_where(~hatched.T, np.ones((m, n))), hatch="//", alpha=0.0)
+    edge = {"edgecolors": palette.MAP_EDGE, "linewidths": 0.0}
+    axes.add_collection(PolyCollection(_squares(hatched), facecolors="none", hatch="////", **edge))
+    axes.add_collection(PolyCollection(_squares(invalid), facecolors=palette.MAP_INVALID, **edge))
     i, j = np.nonzero(invalid)
     axes.plot(i, j, linestyle="none", marker="x", color=palette.MAP_EDGE, markersize=4)
     i, j = np.nonzero(np.isinf(shown.map.values[shown.metric]))
@@ -94,6 +95,12 @@ def _over(axes: object, shown: Shown, invalid: np.ndarray) -> None:
             axes.plot(*shown.cross, linestyle="none", marker="+", markersize=14, markeredgewidth=width, color=color)
     axes.set_xlim(-0.5, n - 0.5)
     axes.set_ylim(-0.5, m - 0.5)
+
+
+def _squares(where: np.ndarray) -> list[np.ndarray]:
+    """The four corners of each cell."""
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+    return [place + corners for place in np.argwhere(where)]
 
 
 def _named(name: str, unit: str) -> str:

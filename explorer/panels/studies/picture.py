@@ -22,6 +22,7 @@ from explorer.model.study_map import Axis
 from explorer.panels.gains.tradeoff_plot import ticks as log_ticks
 from explorer.web import cells
 from explorer.web.accessibility import spoken
+from explorer.widgets.html import upper_first
 from rangenav.number_format import quantity, significant
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS
@@ -38,6 +39,7 @@ KEYS = "Arrow keys move over the cells, Enter takes one."
 BEYOND = "breaks the vehicle's limits"
 WAITS = "not computed yet"
 SCALE = "scale of colours, light to dark"
+NOTICE = '<div role="status" class="rn-map-notice">⚠ {}.</div>'
 LINE = '<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linecap="{}" vector-effect="non-scaling-stroke"/>'
 
 
@@ -63,7 +65,7 @@ def markup(shown: Shown) -> str:
     metric = METRICS[shown.metric]
     title = f"{metric.title} ({metric.unit})" if metric.unit else metric.title
     across, upwards = (html.escape(name.caption) for name in shown.names)
-    notice = f'<div role="status" class="rn-map-notice">⚠ {html.escape(shown.outdated)}</div>' if shown.outdated else ""
+    notice = NOTICE.format(html.escape(upper_first(shown.outdated))) if shown.outdated else ""
     state = " rn-map-outdated" if shown.outdated else ""
     return (
         f'{notice}<div class="rn-map{state}"><b>{html.escape(title)}</b>'

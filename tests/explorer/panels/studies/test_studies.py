@@ -1,0 +1,224 @@
+"""The Studies tab through viser's messages: maps that start, fill, stop, are read, taken, undone and saved."""
+
+import csv
+import dataclasses
+import html
+import io
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from msgspec.structs import replace
+
+from explorer.model.settings import effective
+from explorer.model.study_map import READY, Ready
+from explorer.panels.studies import FOLLOWS, OTHER_CHOICE, OTHER_DESIGN, StudiesPanel
+from explorer.panels.studies.files import COMMAND, STUDY_FILE
+from explorer.server import SessionServer
+from explorer.widgets.html import upper_first
+from rangenav import preset
+from rangenav.studies import study
+from rangenav.studies.maps import StudyMap
+from tests.support.waiting_visitor import Editing, arrived
+
+pytestmark = pytest.mark.slow
+ANCHOR, SIZE, GAINS = READY
+WINDOW = "width=1366&height=768&tabs="
+"""What a browser reports, up to the names of its open tabs."""
+CONTENT = re.compile(r'data-rn-cells="([^"]*)"')
+
+
+@pytest.fixture(scope="module")
+def visitor(sessions: tuple[int, SessionServer]) -> Iterator[Editing]:
+    """One visitor for all tests."""
+    visitor = arrived(sessions)
+    yield visitor
+    visitor.tab.close()
+
+
+@pytest.fixture
+def page(visitor: Editing) -> Editing:
+    """The visitor's page with the preset as it is shipped, and no map."""
+    visitor.run(lambda: visitor.tab.press_own("again"))
+    panel(visitor).forget_preset()
+    panel(visitor).follows = lambda: False
+    return visitor
+
+
+def panel(page: Editing) -> StudiesPanel:
+    return page.session.dock.studies
+
+
+def do(page: Editing, action) -> None:
+    """Run an action in the session's loop."""
+    page.run(lambda: page.session.form.do(action, step=False))
+
+
+def computed(page: Editing, ready: Ready, count: int = 2) -> StudyMap:
+    """A ready map with a few points, once it is complete."""
+    do(page, lambda: panel(page).start_ready(dataclasses.replace(ready, count=count, runs=1)))
+    page.tab.wait_for(lambda: panel(page).progress.running is None, "the map")
+    page.settle()
+    filling = panel(page).filling
+    assert filling is not None
+    assert filling.map is not None
+    return filling.map
+
+
+def shown(page: Editing) -> str:
+    """The block of the map."""
+    return panel(page).block.content
+
+
+@pytest.mark.parametrize("ready", READY, ids=lambda ready: ready.name)
+def test_every_ready_map_is_offered_and_starts(page: Editing, ready: Ready):
+    page.tab.find(ready.question)
+    of = computed(page, ready)
+    assert of.share == 1
+    assert ready.metric in of.values
+    cells = json.loads(html.unescape(CONTENT.findall(shown(page))[0]))
+    assert len(cells["texts"]) == 4
+    assert "not computed yet" not in cells["texts"]
+    assert "present design" in shown(page)
+
+
+def test_a_taken_cell_is_one_step_with_exactly_its_values_and_undo_takes_it_back(page: Editing):
+    of = computed(page, SIZE)
+    before = page.settings
+    page.run(lambda: page.tab.press_own("map-take-1-0"))
+    after, filling = page.settings, panel(page).filling
+    assert filling is not None
+    assert after.time_scale == of.second[0]
+    assert effective(after) == filling.study.preset_at(2)
+    assert OTHER_DESIGN not in shown(page)
+    page.command("Undo")
+    assert page.settings == before
+
+
+def test_another_metric_of_the_same_kind_needs_no_new_run_and_one_of_another_kind_does(page: Editing):
+    of = computed(page, SIZE)
+    page.set("metric", "excitation μ (m²/s⁷)")
+    filling = panel(page).filling
+    assert filling is not None
+    assert filling.map is of
+    page.tab.wait_for(lambda: "<b>excitation μ (m²/s⁷)</b>" in shown(page), "the other metric")
+    page.set("metric", "settling time, position (s)")
+    page.tab.wait_for(lambda: upper_first(OTHER_CHOICE) in shown(page), "the notice")
+
+
+def test_a_changed_design_stops_and_marks_the_map_and_its_cells_are_refused(page: Editing):
+    page.press(SIZE.question)
+    page.tab.wait_for(lambda: panel(page).progress.running is not None, "the job")
+    page.set("range noise σ (m)", 0.31)
+    page.tab.wait_for(lambda: panel(page).progress.running is None, "the job to end")
+    computed(page, ANCHOR)
+    page.set("range noise σ (m)", 0.32)
+    page.tab.wait_for(lambda: upper_first(OTHER_DESIGN) in shown(page), "the notice")
+    before = page.settings
+    page.run(lambda: page.tab.press_own("map-take-1-0"))
+    assert page.settings == before
+    assert any(OTHER_DESIGN in refusal for refusal in page.refusals())
+
+
+def test_stop_keeps_what_is_done(page: Editing):
+    page.press(GAINS.question)
+    page.tab.wait_for(lambda: panel(page).filling.map is not None, "the first points")  # pyright: ignore
+    do(page, panel(page).progress.stop)
+    filling = panel(page).filling
+    assert filling is not None
+    assert filling.map is not None
+    count = int(filling.map.computed.sum())
+    assert 0 < count < filling.map.computed.size
+    page.tab.wait_for(lambda: f"Stopped: {count} of 289 points are computed" in shown(page), "the sentence")
+
+
+def test_a_closed_tab_is_not_drawn_and_catches_up_when_it_is_opened(page: Editing):
+    computed(page, ANCHOR)
+    page.tab.set("page", WINDOW + "motion")
+    page.settle()
+    before = shown(page)
+    page.set("range noise σ (m)", 0.33)
+    assert shown(page) == before
+    page.tab.set("page", WINDOW + "studies")
+    page.tab.wait_for(lambda: upper_first(OTHER_DESIGN) in shown(page), "the notice")
+
+
+def test_a_bad_range_is_refused_in_one_sentence_with_the_label_of_its_box(page: Editing):
+    computed(page, ANCHOR)
+    page.set("highest across", "-9")
+    assert any("highest across must be larger than lowest across" in refusal for refusal in page.refusals())
+    page.set("highest across", "2")
+    page.set("points upwards", "66")
+    assert any("points upwards must be a whole number between 2 and 65" in refusal for refusal in page.refusals())
+    page.set("points upwards", "3")
+    page.wait_until_accepted()
+
+
+def test_a_page_that_follows_a_presentation_starts_no_map_and_takes_no_cell(page: Editing):
+    computed(page, ANCHOR)
+    panel(page).follows = lambda: True
+    before, filling = page.settings, panel(page).filling
+    page.press("Compute the map")
+    page.run(lambda: page.tab.press_own("map-take-0-0"))
+    assert (page.settings, panel(page).filling) == (before, filling)
+    assert any(FOLLOWS in refusal for refusal in page.refusals())
+
+
+@pytest.mark.parametrize("changed", [False, True], ids=["as shipped", "changed"])
+def test_the_saved_study_loads_with_its_preset_and_is_the_same_study(page: Editing, tmp_path: Path, changed: bool):
+    if changed:
+        page.set("range noise σ (m)", 0.34)
+    computed(page, GAINS)
+    page.tab.downloads.clear()
+    page.press("save map as", "Study")
+    page.press("save map as", "Preset")
+    page.tab.wait_for(lambda: len(page.tab.downloads) == 2, "both files")
+    for name, content in page.tab.downloads:
+        (tmp_path / name).write_bytes(content)
+    filling = panel(page).filling
+    assert filling is not None
+    loaded = study.load(tmp_path / STUDY_FILE)
+    assert loaded.file == filling.study.file
+    assert loaded.bases == filling.study.bases
+    assert loaded.preset_at(3) == filling.study.preset_at(3)
+    assert loaded.digest == replace_names(filling.study, loaded.names).digest
+    assert COMMAND in page.tab.text()
+    assert preset.load("paper-slow") == filling.study.bases[0] or changed
+
+
+def replace_names(of: study.Study, names: tuple[str, ...]) -> study.Study:
+    """The same study, whose presets are called as those of a file."""
+    return dataclasses.replace(of, names=names)
+
+
+def test_the_table_has_a_line_for_each_point_with_every_metric(page: Editing):
+    of = computed(page, ANCHOR)
+    page.tab.downloads.clear()
+    page.press("save map as", "CSV")
+    page.tab.wait_for(lambda: page.tab.downloads, "the file")
+    ((name, content),) = page.tab.downloads
+    head, *lines = csv.reader(io.StringIO(content.decode()))
+    assert name == "map-sigma-lifted.csv"
+    assert head[:2] == ["world.anchor.x (m)", "world.anchor.y (m)"]
+    column = head.index("sigma_lifted (m)")
+    assert [float(line[column]) for line in lines] == of.values["sigma_lifted"].ravel().tolist()
+    assert [float(line[0]) for line in lines] == [of.first[0], of.first[0], of.first[1], of.first[1]]
+
+
+def test_a_picture_of_a_map_is_written_in_a_job(page: Editing):
+    computed(page, SIZE)
+    page.tab.downloads.clear()
+    page.press("save map as", "SVG")
+    page.tab.wait_for(lambda: page.tab.downloads, "the file")
+    assert b"predicted" in page.tab.downloads[0][1] or b"<svg" in page.tab.downloads[0][1]
+
+
+def test_the_number_that_was_moved_last_can_be_put_on_an_axis(page: Editing):
+    page.set("range noise σ (m): number", 0.35)
+    page.command("Put the last control on the map's axis across")
+    first = panel(page).choice.axes[0].read()
+    assert first.path == "sensors.noise.range"
+    assert first.low < 0.35 < first.high
+    assert replace(first, low=0.1).low == 0.1
