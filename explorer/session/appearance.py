@@ -15,9 +15,9 @@ from explorer.web.door import Window
 
 WIDE = 1200
 """px: from this width of the window on, the dock of controls has its full width."""
-NARROW_SHARE, BIG_SHARE = 0.84, 1.3
+NARROW_SHARE, BIG_SHARE = 0.84, 1.37
 """The dock's width in a narrower window, and with big type, by its full width."""
-CLASS_SHARE = 1.08
+CLASS_SHARE = 1.12
 """The same in a class, whose dock has a tab more: all tabs stay in one row."""
 
 
