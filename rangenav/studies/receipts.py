@@ -60,14 +60,14 @@ def path(store: Path, part: int) -> Path:
 
 
 def read(file: Path) -> Receipt | None:
-    """A receipt; None if the file is not what was written."""
+    """A receipt; None if the file is not there, or is not what was written."""
     try:
         signed = json.loads(file.read_bytes())
         content = signed["receipt"].encode()
         if hashlib.sha256(content).hexdigest() != signed["sha256"]:
             return None
         return msgspec.json.decode(content, type=Receipt)
-    except (ValueError, KeyError, TypeError, AttributeError, msgspec.MsgspecError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, msgspec.MsgspecError):
         return None
 
 

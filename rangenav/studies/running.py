@@ -24,6 +24,8 @@ AHEAD = 3
 """Tasks that the scheduler holds for each thread: no worker waits for this program, and a stop drops few."""
 POLL = 0.25
 """s between two looks at `cancelled`."""
+LATE = 30.0
+"""s after which a receipt must be visible."""
 RECOUNT = 5.0
 """s between two counts of the workers, which may come and go."""
 
@@ -167,7 +169,7 @@ def _compile(client: Any, of: Store) -> None:
 def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancelled) -> None:
     """Keep the workers busy until every part has its receipt."""
     finished: SimpleQueue[Any] = SimpleQueue()
-    waiting: set[Any] = set()
+    waiting: dict[Any, int] = {}
     room, counted = 0, -RECOUNT
     try:
         while tally.missing or waiting:
@@ -178,7 +180,7 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
             while tally.missing and len(waiting) < room:
                 part = tally.missing.popleft()
                 future = client.submit(tasks.compute, str(of.path), of.study.digest, part, key=_key(of, part))
-                waiting.add(future)
+                waiting[future] = part
                 future.add_done_callback(finished.put)
             if cancelled():
                 raise CancelledError
@@ -186,8 +188,7 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
                 future = finished.get(timeout=POLL)
             except Empty:
                 continue
-            waiting.discard(future)
-            tally.take(_receipt(future, of))
+            tally.take(_receipt(future, waiting.pop(future), of))
             future.release()
             shown(tally.state())
     except OSError as error:  # of the connection to the scheduler
@@ -202,15 +203,15 @@ def _key(of: Store, part: int) -> str:
     return f"rangenav-study-{of.study.digest[:12]}-{part}-{time.monotonic_ns()}"
 
 
-def _receipt(future: Any, of: Store) -> Receipt:
-    """The receipt of a part that is finished. Raises StoppedError in one sentence if it could not be computed."""
+def _receipt(future: Any, part: int, of: Store) -> Receipt:
+    """The receipt of a part that is finished. Raises StoppedError in one sentence if it could not be computed.
+
+    It is read from the store: what a task returns is lost with its worker, which may have ended since.
+    """
     if future.status == "cancelled":
         raise _stopped(of, "the scheduler was lost")
-    if future.status == "finished":
-        try:
-            return future.result(timeout=60)
-        except (OSError, RuntimeError) as error:
-            raise _stopped(of, f"the scheduler was lost ({type(error).__name__})") from None
+    if future.status != "error":
+        return _read(part, of)
     error = future.exception()
     if isinstance(error, OSError):
         words = "no space is left on the disk" if error.errno == errno.ENOSPC else f"{error.strerror or error}"
@@ -220,6 +221,17 @@ def _receipt(future: Any, of: Store) -> Receipt:
     if isinstance(error, ValueError):
         raise _stopped(of, str(error)) from None
     raise _stopped(of, shortened(f"a part failed ({type(error).__name__}: {error})")) from error
+
+
+def _read(part: int, of: Store) -> Receipt:
+    """The receipt of a part that is written; a file system that several machines share may show it late."""
+    end = time.monotonic() + LATE
+    while time.monotonic() < end:
+        receipt = receipts.read(receipts.path(of.path, part))
+        if receipt is not None:
+            return receipt
+        time.sleep(POLL)
+    raise _stopped(of, f"part {part} is finished, but its receipt cannot be read here; is it the workers' folder?")
 
 
 def _stopped(of: Store, words: str) -> StoppedError:

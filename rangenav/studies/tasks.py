@@ -8,7 +8,6 @@ from numpy import ndarray as Array
 
 from rangenav.inputs import require
 from rangenav.studies import evaluation, plan, stopping, store
-from rangenav.studies.receipts import Receipt
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
 
@@ -18,15 +17,15 @@ def compile_kernels(path: str, digest: str) -> None:
     plan.warm_up(_seen(path, digest).study)
 
 
-def compute(path: str, digest: str, part: int) -> Receipt:
-    """Compute one part of a store and write it.
+def compute(path: str, digest: str, part: int) -> None:
+    """Compute one part of a store and write it, with its receipt.
 
     Raises ValueError if this worker does not see the store, and OSError if the disk refuses.
     """
     of = _seen(path, digest)
     began = time.process_time()
     block = evaluation.block(of.study, of.blocks.indices(part).tolist())
-    return of.write(part, block, width=_width(of.study, block.runs), seconds=time.process_time() - began)
+    of.write(part, block, width=_width(of.study, block.runs), seconds=time.process_time() - began)
 
 
 def _seen(path: str, digest: str) -> Store:

@@ -15,7 +15,7 @@ from rangenav.progress import CancelledError
 from rangenav.studies import blocks, creation, evaluation, export, receipts, running, store, study, tasks
 from rangenav.studies.parameters import Listed
 
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
 distributed = pytest.importorskip("distributed")
 xarray = pytest.importorskip("xarray")
