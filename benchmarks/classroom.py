@@ -205,9 +205,10 @@ def _in_browsers() -> None:
             width, height = WINDOW
             tabs = [browser.new_context(viewport={"width": width, "height": height}).new_page() for _ in range(2)]
             for tab in tabs:
+                tab.set_default_timeout(1000 * page.PATIENCE)
                 tab.add_init_script(page.WELCOMED)
                 tab.goto(server.url)
-                tab.wait_for_function(page.READY, timeout=1000 * page.PATIENCE)
+                tab.wait_for_function(page.READY)
                 tab.wait_for_function(f"() => document.body.innerText.includes('{page.VERDICT}')")
                 tab.keyboard.press(" ")
             for number, tab in enumerate(tabs, 1):

@@ -41,10 +41,11 @@ class Clock:
 
     def follow(self, player: Player) -> None:
         """Draw the frames of a page from now on, as long as it plays."""
-        if not player.plays or player in self._players:
+        if not player.plays:
             return
         with self._lock:
-            self._players = (*self._players, player)
+            if player not in self._players:
+                self._players = (*self._players, player)
             if not self._runs:
                 self._runs = True
                 threading.Thread(target=self._run, name="clock", daemon=True).start()

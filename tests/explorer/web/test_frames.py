@@ -1,6 +1,7 @@
 """One moment of a playing run leaves as one frame: its bytes are viser's, and no change is lost or comes too late."""
 
 import asyncio
+import time
 from typing import Any, cast
 
 import msgspec
@@ -16,6 +17,7 @@ from viser.transforms import SO3
 from websockets.protocol import State
 
 from explorer.scene.bounds import quaternion
+from explorer.web.clock import Clock
 from explorer.web.frames import MOVES, Frames, Packer, place, post, turn
 from explorer.web.security import CHECKED_AGAINST
 
@@ -239,3 +241,37 @@ def test_the_quaternion_turns_as_the_matrix_does() -> None:
     half_turns = [np.diag(signs) for signs in ((1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))]
     for rotation in [np.eye(3), *half_turns, *(SO3.sample_uniform(chance).as_matrix() for _ in range(50))]:
         assert np.allclose(SO3(np.array(quaternion(rotation))).as_matrix(), rotation, atol=1e-12)
+
+
+def test_the_clock_draws_whoever_plays_and_rests_when_nobody_does() -> None:
+    class Player:
+        def __init__(self) -> None:
+            self.plays, self.frames = True, 0
+
+        def frame(self, now: float) -> None:
+            self.frames += 1
+
+    clock, one, other = Clock(), Player(), Player()
+    clock.follow(one)
+    clock.follow(other)
+    clock.follow(one)
+    deadline = time.monotonic() + 10
+    while min(one.frames, other.frames) < 2 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    other.plays = False
+    assert abs(one.frames - other.frames) <= 1
+    stopped, one.frames = other.frames, 0
+    while one.frames < 3 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert other.frames <= stopped + 1
+    one.plays = False
+    time.sleep(0.2)
+    still = one.frames
+    time.sleep(0.1)
+    assert one.frames == still
+    one.plays = True
+    clock.follow(one)
+    while one.frames == still and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert one.frames > still
+    one.plays = False
