@@ -2,7 +2,7 @@
 
 glibc takes large arrays from the system one by one, but at the first that is freed it raises the size from which it
 does so, up to 32 MB, and each thread gets a pool of its own. With a thread a visitor the freed arrays of many pictures
-then stay in many pools: 10 visitors who drag a gain for a minute hold 140 MB more, and 55 MB with the settings below.
+then stay in many pools: a minute in which 10 visitors dragged a gain took 140 MB, and 55 MB with the settings below.
 """
 
 import ctypes
