@@ -87,13 +87,14 @@ def test_a_class_follows_breaks_away_comes_back_and_ends(room: Room):
     late.tab("Gains")
     teacher.tab("Gains")
     room.shares(WEIGHT, late)
+    weight = teacher.number(WEIGHT)
     teacher.tab("Class")
     teacher.press("Release")
     teacher.press("End the presentation")
     for tab in (student, late):
         tab.wait_for_no_text("You follow the teacher")
     teacher.press("Send what I see to all")
-    late.wait_for_text("Your teacher sent this to all")
+    until(lambda: late.number(WEIGHT) == weight, "what was sent")
 
     teacher.press("Present my page")
     student.wait_for_text("You follow the teacher")
