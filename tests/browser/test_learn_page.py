@@ -99,7 +99,7 @@ def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: 
     page.wait_for_function("before => document.getElementById('offset').textContent !== before", arg=offset)
     assert re.search(
         r"vehicle is at \(.*\) m, [\d.]+ m from the anchor",
-        page.locator("#scene[role=img]").get_attribute("aria-label"),
+        page.locator("#scene[role=img]").get_attribute("aria-label") or "",
     )
     assert "at the end" in (page.locator("#plots [role=img]").first.get_attribute("aria-label") or "")
     assert broken(page) == set()
