@@ -212,7 +212,10 @@ def test_a_picture_of_a_map_is_written_in_a_job(page: Editing):
     page.tab.downloads.clear()
     page.press("save map as", "SVG")
     page.tab.wait_for(lambda: page.tab.downloads, "the file")
-    assert b"predicted" in page.tab.downloads[0][1] or b"<svg" in page.tab.downloads[0][1]
+    ((name, content),) = page.tab.downloads
+    assert name == "map-sigma-lifted.svg"
+    assert content.startswith(b"<?xml")
+    assert content.count(b"<image") == 1  # the cells; all else is lines and letters
 
 
 def test_the_number_that_was_moved_last_can_be_put_on_an_axis(page: Editing):
