@@ -48,13 +48,20 @@
       Math.floor((box.bottom - event.clientY) / box.height * cells.y.length)]);
   };
   const take = (grid, cell) => window.rnPage.act('event', `${grid.dataset.rnGrid}-${cell[0]}-${cell[1]}`);
-  let hovered = null;
+  let hovered = null, pointer = null;
   window.addEventListener('pointermove', event => {
     const grid = over(event);
+    pointer = event;
     if (!grid && hovered && hovered.isConnected) show(hovered, document.activeElement === hovered ? cursor(hovered) : null);
     hovered = grid;
     if (grid) show(grid, under(grid, event));
   });
+  new MutationObserver(() => {  // a new picture under a mouse that rests
+    if (!hovered || hovered.isConnected) return;
+    const element = document.elementFromPoint(pointer.clientX, pointer.clientY);
+    hovered = element && element.closest('[data-rn-grid]');
+    if (hovered) show(hovered, under(hovered, pointer));
+  }).observe(document.body, {childList: true, subtree: true});
   window.addEventListener('click', event => {
     const grid = over(event);
     if (!grid) return;

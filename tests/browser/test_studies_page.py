@@ -24,6 +24,7 @@ def test_a_map_fills_and_a_cell_is_read_taken_and_undone(visitor: Visitor):
     page.mouse.down()
     page.mouse.up()
     visitor.wait_for_text("present design: anchor position x 2.5 m, anchor position y -1.8 m")
+    assert line.inner_text().startswith("anchor position x 2.5 m, anchor position y -1.8 m: ")  # still
 
     grid.press("ArrowUp")
     assert line.inner_text().startswith("anchor position x 2.5 m, anchor position y 0 m: ")
