@@ -140,6 +140,13 @@ class Classroom:
         if not same:
             self._listeners.call()
 
+    def forget(self, number: int) -> None:
+        """Forget one student, who was sent out."""
+        with self._lock:
+            self._members.pop(number, None)
+            self._done.pop(number, None)
+        self._listeners.call()
+
     def clear(self) -> None:
         """Forget all students and what was shown: the class is over."""
         with self._lock:

@@ -44,7 +44,7 @@ from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
 from explorer.web import connection, places
-from explorer.web.access.visitors import Role, Visitor
+from explorer.web.access.visitors import Visitor
 from explorer.web.door import Door
 from explorer.web.frames import Flight, Frames
 from explorer.web.identity import session_key
@@ -264,9 +264,8 @@ class Session:
 
     @property
     def _is_welcomed(self) -> bool:
-        """Whether a new visitor gets the card; a teacher sees the tab of the class at once."""
-        teaches = self._visitor is not None and self._visitor.role is Role.TEACHER
-        return not (self.shared.requested or self.shared.lesson or teaches)
+        """Whether a new visitor gets the card. In a class the teacher sees its tab at once, and leads the students."""
+        return not (self.shared.requested or self.shared.lesson or self._visitor is not None)
 
     def _escape(self, handles: DragHandles) -> None:
         self.charts.close_large()

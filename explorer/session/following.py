@@ -1,8 +1,8 @@
 """A student's page in a class: it follows what the teacher shows, or works on a copy, or on the student's own work.
 
-own work ──teacher presents──▶ following ──copy──▶ own work, with what was shown as one more step
-    ▲                              │
-    └────────── back ──────────────┘      the own work, as it was
+own work ──teacher presents──▶ following ◀──follow──▶ copy: what was shown, to work on
+    ▲                              │                  │
+    └────────── back ──────────────┴──────────────────┘      the own work, as it was
 """
 
 import time
@@ -54,6 +54,8 @@ class Follower:
         self._wants = True
         self._own: Settings | None = None
         """The student's own work while the page follows; None while it does not."""
+        self._kept: Settings | None = None
+        """The student's own work while a copy is on the page, or was before the page followed again."""
         self._own_time = 0.0
         self._held: Settings | None = None
         """What the teacher shows, as this page calls it."""
@@ -83,15 +85,22 @@ class Follower:
                 self._dock.write(self._as_here(request.settings))
                 self._notify(SENT, UNDO)
             if request.lesson is not None:
-                self._dock.learn.open_number(request.lesson)
+                opened = self._dock.learn.lesson
+                if opened is None or opened.number != request.lesson:  # else who is on its third screen stays there
+                    self._dock.learn.open_number(request.lesson)
                 self._open_tab("Learn")
                 self._notify(LESSON, "Leaving it gives back what was here before.")
         if state.shown is None:
-            self._wants = True
+            self._wants, self._kept = True, None
             self._end(back=True)
         elif self._wants or state.frozen:
             self._show(state.shown)
-        self._panel.draw(presented=state.shown is not None, following=self.following, frozen=state.frozen)
+        self._panel.draw(
+            presented=state.shown is not None,
+            following=self.following,
+            frozen=state.frozen,
+            copied=self._kept is not None,
+        )
 
     def hold(self, page: Page) -> None:
         """Put back what the teacher shows, if the student has moved a control meanwhile."""
@@ -144,15 +153,21 @@ class Follower:
         self._wants = True
 
     def _back(self) -> None:
+        if self._classroom.state.frozen:
+            return
+        kept, self._kept = self._kept, None
         self._stop_following(back=True)
+        if kept is not None:
+            self._dock.write(kept)
 
     def _copy(self) -> None:
-        self._stop_following(back=False)
+        if not self._classroom.state.frozen:
+            self._kept = self._kept or self._own
+            self._stop_following(back=False)
 
     def _stop_following(self, *, back: bool) -> None:
-        if not self._classroom.state.frozen:
-            self._wants = False
-            self._end(back=back)
+        self._wants = False
+        self._end(back=back)
 
     def _end(self, *, back: bool) -> None:
         """Follow no longer, and show the own work again, or keep what was shown as a step after it."""

@@ -159,6 +159,7 @@ class StudentsPart:
         bar = visit.client.gui.add_html("")
         with dock.tabs.add_tab("Class"):
             panel = StudentPanel(dock.form, visit.client, bar, name_of(number))
+        dock.learn.keep_answers()
         self._follower = Follower(
             number,
             shared.classroom,

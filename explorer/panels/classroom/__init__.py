@@ -46,6 +46,10 @@ PRESENTS = (
     '<div class="rn-class" {said}><span><b>You present.</b> {count}</span>'
     '<button type="button" class="rn-button" data-rn-event="class-end">End</button></div>'
 )
+REALLY = (
+    "All students are sent out. Names, predictions and the presets that students have saved are deleted. "
+    "*Results as CSV*, above, keeps names and predictions."
+)
 GUESSED = "The code was guessed at {count} times too often, and was replaced each time. The link is safe from guessing."
 
 
@@ -104,7 +108,13 @@ class ClassPanel:
         with self._removal:
             self._out = Section(form)
         with Section(form):
-            form.button("End the class", self._end, hint=END_HINT, quiet=True)
+            self._to_end = form.button("End the class", self._ask_to_end, hint=END_HINT, quiet=True)
+            self._asked = (
+                form.gui.add_markdown(REALLY, visible=False),
+                form.button("End it now", self._end, hint=END_HINT),
+                form.button("Go on with the class", self._keep, hint="Nothing happens.", quiet=True),
+            )
+        self._keep()
 
     def refresh(self) -> None:
         """Show what is true now: the code, who is in, whether all follow."""
@@ -186,12 +196,27 @@ class ClassPanel:
 
     def _renew(self) -> None:
         self._entrance.renew()
+        self._actions.notify("A new code and a new link", "Nobody comes in with the old ones. Who is in stays in.")
 
     def _send_out(self, number: int) -> None:
+        name = self._name(number)
         self._entrance.remove(number)
-        self._actions.notify("Sent out", f"{self._name(number)} is no longer on the page.")
+        self._classroom.forget(number)
+        self._actions.notify("Sent out", f"{name} is no longer on the page.")
+
+    def _ask_to_end(self) -> None:
+        self._show_question(asked=True)
+
+    def _keep(self) -> None:
+        self._show_question(asked=False)
+
+    def _show_question(self, *, asked: bool) -> None:
+        self._to_end.visible = not asked
+        for part in self._asked:
+            part.visible = asked
 
     def _end(self) -> None:
+        self._keep()
         self._actions.present(False)
         self._entrance.end_class()
         self._classroom.clear()

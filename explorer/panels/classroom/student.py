@@ -24,6 +24,11 @@ FOLLOWING = BAR.format(
     "You follow the teacher.",
     BUTTON.format("", "copy", "Work on a copy") + BUTTON.format("", "back", "Back to my work"),
 )
+COPIED = BAR.format(
+    spoken("class", "You work on a copy."),
+    "You work on a copy.",
+    BUTTON.format("rn-main", "follow", "Follow") + BUTTON.format("", "back", "Back to my work"),
+)
 PRESENTED = BAR.format(
     spoken("class", "The teacher presents."), "The teacher presents.", BUTTON.format("rn-main", "follow", "Follow")
 )
@@ -50,9 +55,11 @@ class StudentPanel:
             return self._chosen()
         return self._given
 
-    def draw(self, *, presented: bool, following: bool, frozen: bool) -> None:
-        """Show whether the page follows, and what the student can do about it."""
-        content = FROZEN if frozen else FOLLOWING if following else PRESENTED if presented else ""
+    def draw(self, *, presented: bool, following: bool, frozen: bool, copied: bool) -> None:
+        """Show whether the page follows, and what the student can do about it. copied: whether a copy of what the
+        teacher showed lies over the student's own work."""
+        leave = COPIED if copied else PRESENTED
+        content = FROZEN if frozen else FOLLOWING if following else leave if presented else ""
         if content != self._bar.content:
             self._bar.content = content
         if following != self._held:

@@ -64,7 +64,7 @@ class LearnPanel:
         """`strip` lies over the scene: it shows how far a task is done while its controls are on another tab."""
         self._form, self._course, self._page, self._session = form, course, page, actions
         self._judge = Judge(form.new_jobs(), pinned=actions.pinned, exported=actions.exported)
-        self._teacher = ForTeachers(form.new_jobs(), course.lessons, actions.download)
+        self._teacher: ForTeachers | None = ForTeachers(form.new_jobs(), course.lessons, actions.download)
         self._figures = ScreenFigures(form.new_jobs())
         self.learning = Learning()
         self._show, self._said = Show(), ""
@@ -88,8 +88,8 @@ class LearnPanel:
             "hint": self._hint,
             "show": self._demonstrate,
             "again": self._again,
-            "answers": lambda: self._teacher.answers(self._draw, self._say),
-            "worksheet": lambda: self._teacher.worksheet(self._say),
+            "answers": self._give_answers,
+            "worksheet": self._give_worksheet,
         }
         for lesson in self._course.lessons:
             named[f"open-{lesson.name}"] = partial(self.open, lesson)
@@ -297,6 +297,19 @@ class LearnPanel:
         self._show.end()
         self._said = ""
 
+    def keep_answers(self) -> None:
+        """Give this visitor neither answers nor worksheet: a student of a class."""
+        self._teacher = None
+        self._draw()
+
+    def _give_answers(self) -> None:
+        if self._teacher is not None:
+            self._teacher.answers(self._draw, self._say)
+
+    def _give_worksheet(self) -> None:
+        if self._teacher is not None:
+            self._teacher.worksheet(self._say)
+
     def _draw(self) -> None:
         """Show the list, or the open screen; what is not known of its figures follows."""
         self._write()
@@ -307,7 +320,8 @@ class LearnPanel:
         self._figures.begin()
         lesson = self.lesson
         if lesson is None:
-            content = markup.course_list(self._course, self.learning, self._teacher.guide)
+            guide = None if self._teacher is None else self._teacher.guide
+            content = markup.course_list(self._course, self.learning, guide)
         else:
             shown = markup.Shown(
                 learning=self.learning,

@@ -50,17 +50,23 @@ def button(name: str, label: str, kind: str = "", *, pressed: bool | None = None
     return BUTTON.format(kind, f"lesson-{name}", "disabled" if disabled else attributes, html.escape(label))
 
 
-def course_list(course: Course, learning: Learning, guide: Sequence[Sequence[str]]) -> str:
-    """All lessons, each with its minutes and whether it was passed; and the guide for the teacher, once it is there."""
+def course_list(course: Course, learning: Learning, guide: Sequence[Sequence[str]] | None) -> str:
+    """All lessons, each with its minutes and whether it was passed; and the guide for the teacher, once it is there.
+
+    guide: None for a student of a class."""
     rows = "".join(_row(lesson, learning) for lesson in course.lessons)
     broken = "".join(f'<p class="rn-lesson-broken">{html.escape(reason)}</p>' for reason in course.complaints)
     done = sum(lesson.name in learning.passed for lesson in course.lessons)
-    teacher = (
+    teacher = "" if guide is None else _for_teacher(guide)
+    head = f"<p>{INTRODUCTION}</p><p><b>{done} of {len(course.lessons)}</b> lessons passed.</p>"
+    return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}{teacher}</div>'
+
+
+def _for_teacher(guide: Sequence[Sequence[str]]) -> str:
+    return (
         f'<p class="rn-lesson-buttons">For the teacher: {button("answers", "Answers")}'
         f"{button('worksheet', 'Worksheet to print')}</p>{''.join(_answers_to(row) for row in guide)}"
     )
-    head = f"<p>{INTRODUCTION}</p><p><b>{done} of {len(course.lessons)}</b> lessons passed.</p>"
-    return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}{teacher}</div>'
 
 
 def _answers_to(row: Sequence[str]) -> str:

@@ -37,6 +37,8 @@ WRONG = "This code is not right, or it has been replaced: look again, or ask you
 WRONG_LINK = "This link is not right, or it has been replaced: ask for a new one."
 FULL = "The class is full: all {places} places are taken. Try again when somebody has left."
 FOR_TEACHER = "This is for the teacher, or for a program with the teacher's token: Authorization: Bearer …"
+SENT_OUT = "Your teacher has sent you out. To come back, ask for the code."
+OVER = "The class is over. Your next class has another code."
 NOT_IN = "Come in with your code or your link first."
 
 
@@ -120,7 +122,7 @@ class Entrance:
     def remove(self, number: int) -> None:
         """Send a visitor out."""
         with self._lock:
-            self._visitors.remove(number)
+            self._visitors.remove(number, SENT_OUT)
             tabs = self._tabs.get(number, [])[:]
         for close in tabs:
             close()
@@ -130,7 +132,7 @@ class Entrance:
         with self._lock:
             self._codes.renew()
             students = [number for number in self._tabs if self._visitors.is_student(number)]
-            self._visitors.remove_students()
+            self._visitors.remove_students(OVER)
         for number in students:
             self.remove(number)
 
@@ -239,7 +241,9 @@ class Entrance:
     def _door(self, status: int, request: Request, port: int) -> Answer:
         """The page at the door. It gives the browser a cookie that lets nobody in: attempts are counted by it."""
         name = f"{DOOR_COOKIE}-{port}"
-        text = DOOR.read_text(encoding="utf-8").replace("SENTENCE", self._full_sentence if status == 503 else "")
+        farewell = self._visitors.farewell(_cookie(request, self._cookie_name(port)))
+        sentence = self._full_sentence if status == 503 else farewell
+        text = DOOR.read_text(encoding="utf-8").replace("SENTENCE", sentence)
         headers = [("Content-Security-Policy", DOOR_POLICY)]
         if not _cookie(request, name):
             flags = f"Path={DOOR_PATH}; HttpOnly; SameSite=Strict" + "; Secure" * self._secure

@@ -41,6 +41,8 @@ class Visitors:
         self._came: set[int] = set()
         """Who has opened a tab."""
         self._count = 0
+        self._gone: dict[bytes, str] = {}
+        """Why those who were sent out were, by their cookies; of the last so many."""
 
     def admit(self, role: Role, now: float) -> str | None:
         """Let a browser in. Returns the value of its cookie; None for a student if too many were let in."""
@@ -71,13 +73,24 @@ class Visitors:
         """Whether a visitor who was let in is a student, also after the cookie was taken back."""
         return number in self._students
 
-    def remove(self, number: int) -> None:
-        """Take back the cookie of one visitor."""
-        self._by_digest = {key: one for key, one in self._by_digest.items() if one.number != number}
+    def farewell(self, secret: str) -> str:
+        """Why the visitor with this cookie was sent out; empty for anybody else."""
+        return self._gone.get(digest(secret), "")
 
-    def remove_students(self) -> None:
+    def remove(self, number: int, why: str) -> None:
+        """Take back the cookie of one visitor."""
+        self._take_back([key for key, one in self._by_digest.items() if one.number == number], why)
+
+    def remove_students(self, why: str) -> None:
         """Take back the cookies of all students: the class is over."""
-        self._by_digest = {key: one for key, one in self._by_digest.items() if one.role is Role.TEACHER}
+        self._take_back([key for key, one in self._by_digest.items() if one.role is Role.STUDENT], why)
+
+    def _take_back(self, cookies: list[bytes], why: str) -> None:
+        for cookie in cookies:
+            del self._by_digest[cookie]
+            self._gone[cookie] = why
+        while len(self._gone) > MAX_ADMITTED:
+            del self._gone[next(iter(self._gone))]
 
     def _forget_absent(self) -> bool:
         """Take back the oldest cookie of a student who never came. Returns whether there was one."""
