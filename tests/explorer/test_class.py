@@ -213,6 +213,11 @@ def test_who_is_sent_out_has_left_and_the_end_of_the_class_forgets_all(one_class
     guest = Wire(one_class.port, cookie=_cookie(one_class.port, f"key {one_class.codes.key}"))
     one_class.teacher.wait_for(lambda: len(classroom.members) == 2, "two students")
     one_class.teacher.press("End the class")
+    one_class.teacher.press("Go on with the class")
+    one_class.teacher.press("End the class")
+    one_class.teacher.wait_for_text("Names, predictions and the presets")
+    assert guest.closed_with is None
+    one_class.teacher.press("End it now")
     for tab in (guest, one_class.student):
         tab.wait_for(lambda tab=tab: tab.closed_with == 4001, "the end of the connection")
     one_class.teacher.wait_for_text("No student is on the page yet")
