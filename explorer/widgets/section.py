@@ -134,8 +134,8 @@ class Section:
         said = self.complaint.content
         if not self._touched and said == self._said:
             return None
-        self._touched, self._said = False, said  # before reading, so that no change is lost
-        if self._check is not None:
+        touched, self._touched, self._said = self._touched, False, said  # before reading, so that no change is lost
+        if touched and self._check is not None:  # the refusal of a job stays: its section's values are as they were
             with suppress(InvalidInputError), self.catching():
                 self._check()
         changed = [control for control in self._controls if control.mark()]

@@ -107,7 +107,9 @@ def test_a_class_follows_breaks_away_comes_back_and_ends(room: Room):
     student.page.locator("[data-rn-event=lesson-predict-1]").click()
     teacher.page.locator("[data-dock-region=right] progress").wait_for()  # the histogram has a bar
     teacher.press("End the class")
+    teacher.press("End it now")
     for tab in (student, late):
         tab.page.get_by_label("Code that your teacher shows").wait_for()
+        tab.page.get_by_text("The class is over.").wait_for()
     teacher.wait_for_text("No student is on the page yet")
     late.close()
