@@ -1,5 +1,6 @@
 """`rangenav study`: a study from a file, run on this machine or on a cluster, shown, exported, planned."""
 
+import logging
 import os
 import signal
 import sys
@@ -86,6 +87,7 @@ def run(
             count = workers or os.cpu_count() or 1
             state = running.run(of, path, workers=count, scheduler=scheduler, dashboard=dashboard, shown=shown)
         except KeyboardInterrupt:
+            logging.getLogger("asyncio").setLevel(logging.CRITICAL)  # dask's connections end in the middle of a task
             kept = running.kept(path, last[0].parts) if last else "nothing was computed yet"
             print(f"{path}: stopped; {kept}", file=sys.stderr)
             raise SystemExit(STOPPED) from None
@@ -145,7 +147,11 @@ def export(
         for path, write, _ in wanted:
             if path is not None:
                 files[str(path)] = write(of, path, every_run=every_run)
-    answer = {"store": str(store), "files": [{"file": name, "rows": rows} for name, rows in files.items()]}
+    answer = {
+        "store": str(store),
+        "files": [{"file": name, "rows": rows} for name, rows in files.items()],
+        "parts_missing": of.blocks.count - len(of.done()),
+    }
     return print_json(answer) if json else layout.show(text.exported(answer))
 
 

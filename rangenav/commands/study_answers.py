@@ -25,6 +25,8 @@ def plan_report(of: Study, planned: Plan, *, name: str) -> dict[str, Any]:
         "bytes": planned.bytes,
         "cpu_seconds_per_point": planned.cost.point,
         "cpu_seconds_per_run": planned.cost.run,
+        "points_tried": planned.cost.tried,
+        "points_tried_invalid": planned.cost.invalid,
     }
 
 

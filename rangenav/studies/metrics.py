@@ -99,7 +99,12 @@ ROWS = (
     _analysis("rank_nonlinear", "", "nonlinear rank, of 9", lambda a: a.nonlinear_rank),
     _analysis("sigma_lifted", "m", "predicted σ of the position, lifted", lambda a: a.lifted_end.position),
     _analysis("sigma_nonlinear", "m", "predicted σ of the position, nonlinear", lambda a: a.nonlinear_end.position),
-    _analysis("observable", "", "meets every requirement", lambda a: float(a.verdict.word == "observable")),
+    _analysis(
+        "observable",
+        "",
+        "the verdict is observable: every requirement is met",
+        lambda a: float(a.verdict.word == "observable"),
+    ),
     _motion("speed", "m/s", "largest speed", lambda f: f.limits.speed),
     _motion("acceleration", "m/s²", "largest acceleration", lambda f: f.limits.acceleration),
     _motion("thrust_to_weight", "", "largest thrust over weight", lambda f: f.limits.thrust_to_weight),

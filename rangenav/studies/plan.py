@@ -1,6 +1,6 @@
 """What a study will take: points, runs, parts, CPU time and bytes, from a trial of a few of its points.
 
-    seconds = points · point + runs · run        bytes ≤ 8 · (points · metrics + runs · estimators · metrics) + receipts
+    seconds = points · point + runs · run        bytes ≤ 8 · (points · metrics + runs · estimators · metrics) + the rest
 The trial decides how many points a part has, and nothing of the results.
 """
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rangenav import preset
 from rangenav.studies import blocks, evaluation
 from rangenav.studies.blocks import Blocks
 from rangenav.studies.study import Study
@@ -23,6 +24,8 @@ TRIALS, TRIED = 3, 12
 TRIAL_RUNS = 4
 RECEIPT_BYTES, FILE_BYTES = 400, 110
 """Of a receipt, and for each of its files."""
+CHUNK_BYTES, ARRAY_BYTES, GROUP_BYTES = 40, 2500, 4000
+"""What a file of numbers takes beyond them, and what describes an array, and the store."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +36,10 @@ class Cost:
     """Of one point without its runs."""
     run: float
     """Of one seed, all estimators together."""
+    tried: int
+    """Points that were looked at to find a few valid ones."""
+    invalid: int
+    """Of them, those that are invalid."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,8 +69,9 @@ def warm_up(study: Study) -> None:
 def cost(study: Study) -> Cost:
     """The CPU time of a point and of a run, medians of a few points."""
     warm_up(study)
-    point, run = [], []
+    point, run, tried = [], [], 0
     for index in _places(study):
+        tried += 1
         began = time.process_time()
         if evaluation.point(study, index, runs=0).reason:
             continue
@@ -73,9 +81,10 @@ def cost(study: Study) -> Cost:
         run.append((time.process_time() - middle) / done if done else 0.0)
         if len(run) == TRIALS:
             break
+    invalid = tried - len(run)
     if not run:
-        return Cost(point=0.0, run=0.0)
-    return Cost(point=float(np.median(point)), run=float(np.median(run)))
+        return Cost(point=0.0, run=0.0, tried=tried, invalid=invalid)
+    return Cost(point=float(np.median(point)), run=float(np.median(run)), tried=tried, invalid=invalid)
 
 
 def divided(study: Study, of: Cost) -> Blocks:
@@ -97,6 +106,11 @@ def of_cost(study: Study, of: Cost) -> Plan:
     file, parts = study.file, divided(study, of).count
     runs = study.count * file.most_runs
     files = len(file.metrics) + 2
+    described = (
+        ARRAY_BYTES * (files + len(study.values) + 3)
+        + GROUP_BYTES
+        + sum(len(preset.dumps(base)) for base in study.bases)
+    )
     numbers = study.count * (len(file.point_metrics) + 1) + runs * len(file.estimators) * len(file.run_metrics)
     return Plan(
         points=study.count,
@@ -104,7 +118,7 @@ def of_cost(study: Study, of: Cost) -> Plan:
         least_runs=runs if file.stop is None else study.count * file.stop.least,
         parts=parts,
         seconds=study.count * of.point + runs * of.run,
-        bytes=8 * numbers + parts * (RECEIPT_BYTES + files * FILE_BYTES),
+        bytes=8 * numbers + parts * (RECEIPT_BYTES + files * (FILE_BYTES + CHUNK_BYTES)) + described,
         cost=of,
     )
 

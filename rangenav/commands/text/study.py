@@ -26,7 +26,7 @@ def progress(state: "State") -> str:
     if state.left is not None:
         parts.append(f"{duration(state.left)} left")
     if state.width is not None:
-        parts.append(f"±{percent(state.width)}")
+        parts.append(f"means ±{percent(state.width)}")
     return " · ".join(parts)
 
 
@@ -37,14 +37,18 @@ def planned(answer: Json) -> Report:
         runs = f"{answer['least_runs']:,} to {runs}".replace(",", " ")
     each = [f"{1e3 * answer['cpu_seconds_per_point']:.3g} ms for each point"]
     each += [f"{1e3 * answer['cpu_seconds_per_run']:.3g} ms for each run"] if answer["runs"] else []
+    tried, invalid = answer["points_tried"], answer["points_tried_invalid"]
     return Report(
         subject=layout.subject(answer["study"]),
-        sign="✓",
+        sign="!" if invalid else "✓",
         answer=f"{_count(answer['points'], 'point')}, {duration(answer['cpu_seconds'])} of one core",
         title=answer["title"],
         groups=(
             *group("points", _dimensions(answer["dimensions"])),
             *group("runs", runs if answer["runs"] else "none: no metric is of a run"),
+            *group("invalid", f"{invalid} of {tried} points that were tried; study show has the reasons after a run")[
+                : 1 if invalid else 0
+            ],
             *group("time", f"{duration(answer['cpu_seconds'])} of one core, shared by all workers", *each),
             *group("store", f"at most {size(answer['bytes'])} in {_count(answer['parts'], 'part')}"),
             *layout.next_commands(f"study run {layout.argument(answer['study'])}"),
@@ -83,7 +87,11 @@ def shown(answer: Json) -> Report:
         groups=(
             *group("points", _dimensions(answer["dimensions"]), damaged if parts["damaged"] else None),
             *group("done", f"{_count(answer['points'], 'point')}, {_count(answer['runs'], 'run')}"),
-            *(one for row in answer["metrics"] for one in group(row["metric"], *_extremes(row))),
+            *(
+                one
+                for row in answer["metrics"]
+                for one in group(row["metric"], *_extremes(row, answer["points"] - answer["invalid"]))
+            ),
             *group("invalid", _count(answer["invalid"], "point") if answer["invalid"] else None, _reasons(answer)),
         ),
     )
@@ -91,10 +99,11 @@ def shown(answer: Json) -> Report:
 
 def exported(answer: Json) -> Report:
     """Tables that are written."""
+    missing = answer["parts_missing"]
     return Report(
         subject=layout.subject(answer["store"]),
-        sign="✓",
-        answer="exported",
+        sign="!" if missing else "✓",
+        answer=f"exported without {_count(missing, 'part')} that study run has not computed" if missing else "exported",
         groups=group("files", *(f"{one['file']}: {_count(one['rows'], 'row')}" for one in answer["files"])),
     )
 
@@ -104,7 +113,7 @@ def duration(seconds: float) -> str:
     for unit, name in ((DAY, "days"), (HOUR, "h"), (MINUTE, "min")):
         if seconds >= 2 * unit:
             return f"{seconds / unit:.3g} {name}"
-    return f"{seconds:.3g} s"
+    return f"{seconds:.3g} s" if seconds >= 1 else "less than 1 s"
 
 
 def size(count: float) -> str:
@@ -116,10 +125,11 @@ def size(count: float) -> str:
     return f"{count:.3g} {SIZES[-1]}"
 
 
-def _extremes(row: Json) -> list[str]:
+def _extremes(row: Json, valid: int) -> list[str]:
     of = f"{row['title']}, {row['estimator']}" if row["estimator"] else row["title"]
     if not row["finite"]:
         return [f"{of}: no finite value"]
+    of += f": finite at {row['finite']} of {valid} points" if row["finite"] < valid else ""
     both = (("least", "from"), ("largest", "to"))
     return [of, *(f"{word} {quantity(row[key], row['unit'])} at {_place(row[f'{key}_at'])}" for key, word in both)]
 
@@ -130,7 +140,8 @@ def _place(at: Json) -> str:
 
 
 def _reasons(answer: Json) -> list[str]:
-    return [f"{one['points']} × {one['words']}" for one in answer["reasons"][:MOST_REASONS]]
+    shown = [f"{one['points']} × {one['words']}" for one in answer["reasons"][:MOST_REASONS]]
+    return shown + (["and others; study export has all"] if len(answer["reasons"]) > MOST_REASONS else [])
 
 
 def _dimensions(of: Json) -> str:
