@@ -7,6 +7,8 @@ between the samples the state stands before it, and `read` shows what half of it
 All that changes is one packed array `s`, in the places that `layout` names.
 """
 
+import threading
+
 import numpy as np
 
 from rangenav.kernels import acquisition, attitude, riccati
@@ -42,6 +44,8 @@ from rangenav.kernels.layout import (
 
 STEP = f"int64(float64[::1], float64{6 * ', float64[::1]'})"
 """The types of `step`."""
+ONE_AT_A_TIME = threading.Lock()
+"""Held while `step` is compiled."""
 
 
 @kernel
@@ -213,8 +217,10 @@ def step(s, t1, gyro, accel, mag, range_time, distance, packed):
 
 def compiled_step():
     """`step` for arrays of float64 in C order alone: a call with others raises TypeError and compiles nothing."""
-    step.compile(STEP)
-    step.disable_compile()
+    with ONE_AT_A_TIME:
+        if not step.signatures:
+            step.compile(STEP)
+            step.disable_compile()
     return step
 
 

@@ -75,7 +75,7 @@ def test_a_class_follows_breaks_away_comes_back_and_ends(room: Room):
     student.press("Follow")
     room.shares(WEIGHT)
     student.press("Work on a copy")
-    student.wait_for_text("The teacher presents")
+    student.wait_for_text("You work on a copy")
     room.shares(WEIGHT)
 
     teacher.tab("Class")

@@ -209,3 +209,8 @@ def test_compiled_cascade_and_plain_numpy_agree(
 def test_the_cache_folder_is_named_after_the_sources():
     assert cache.folder().name.startswith("kernels-")
     assert {source.name for source in cache.SOURCES} >= {"riccati.py", "cascade.py", "attitude.py", "rotation.py"}
+
+
+def test_the_kernel_of_one_sample_is_compiled_once_however_often_it_is_asked_for():
+    assert cascade_kernel.compiled_step() is cascade_kernel.compiled_step()
+    assert len(cascade_kernel.step.signatures) == 1
