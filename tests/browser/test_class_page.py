@@ -13,6 +13,7 @@ from tests.browser.page import COARSE, Visitor, served, until
 WEIGHT = "range weight q (1/(m⁴ s))"
 ROWS_OF_TABS = """() => new Set([...document.querySelectorAll('[data-dock-region=right] [role=tab]')]
     .map(tab => Math.round(tab.getBoundingClientRect().y))).size"""
+SCREEN = "document.querySelector('.rn-lesson-foot > span')?.textContent"
 FRONT = "document.querySelector('[data-dock-region=right] [role=tab][aria-selected=true]').textContent"
 
 
@@ -101,10 +102,12 @@ def test_a_class_follows_breaks_away_comes_back_and_ends(room: Room):
     teacher.press("Open it for all")  # who followed could not work on it
     student.wait_for_text("A drone hovers")
     student.wait_for_no_text("You follow the teacher")
-    for _ in range(2):
-        if student.page.locator("[data-rn-event=lesson-predict-1]").count() == 0:
-            student.press("Next ›")
-    student.page.locator("[data-rn-event=lesson-predict-1]").click()
+    prediction = student.page.locator("[data-rn-event=lesson-predict-1]")
+    while prediction.count() == 0:
+        screen = student.page.evaluate(SCREEN)
+        student.press("Next ›")
+        until(lambda: student.page.evaluate(SCREEN) != screen, "the next screen")  # noqa: B023
+    prediction.click()
     teacher.page.locator("[data-dock-region=right] progress").wait_for()  # the histogram has a bar
     teacher.press("End the class")
     teacher.press("End it now")
