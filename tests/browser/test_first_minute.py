@@ -44,6 +44,12 @@ def test_a_new_visitor_is_welcomed_once_and_the_question_mark_brings_the_card_ba
     tab.press("Tune")
     card.wait_for(state="hidden")
     tab.wait_for_text("Auto-tune")
+    tab.page.set_viewport_size({"width": 390, "height": 844})  # a phone: the controls are a sheet, which takes taps
+    tab.press("Help")
+    card.get_by_label("Close").click()
+    card.wait_for(state="hidden")
+    tab.tab("World")
+    tab.page.locator("[role=tab][aria-selected=true]", has_text="World").wait_for()
     assert tab.complaints == []
     tab.close()
 
