@@ -48,10 +48,10 @@ class _Parameter(Input, frozen=True, kw_only=True):
         return self.name or self.path.replace(".", "_").replace("-", "_")
 
 
-class Listed(_Parameter, frozen=True, kw_only=True, tag="list", tag_field="kind"):
-    """Numbers."""
+class _Given(_Parameter, frozen=True, kw_only=True):
+    """A parameter whose values are given one by one."""
 
-    values: tuple[float, ...]
+    values: tuple[float, ...] | tuple[str, ...]
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -62,6 +62,12 @@ class Listed(_Parameter, frozen=True, kw_only=True, tag="list", tag_field="kind"
     def size(self) -> int:
         """How many values a grid has."""
         return len(self.values)
+
+
+class Listed(_Given, frozen=True, kw_only=True, tag="list", tag_field="kind"):
+    """Numbers."""
+
+    values: tuple[float, ...]
 
     def grid(self) -> Float[Array, "n"]:
         """The values of a grid."""
@@ -72,20 +78,10 @@ class Listed(_Parameter, frozen=True, kw_only=True, tag="list", tag_field="kind"
         return self.grid()[_picked(share, self.size)]
 
 
-class Choices(_Parameter, frozen=True, kw_only=True, tag="choices", tag_field="kind"):
+class Choices(_Given, frozen=True, kw_only=True, tag="choices", tag_field="kind"):
     """Words, such as those of gains.mode."""
 
     values: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _refuse_count(len(self.values), "values must hold")
-        require(len(set(self.values)) == len(self.values), "values must differ from one another")
-
-    @property
-    def size(self) -> int:
-        """How many values a grid has."""
-        return len(self.values)
 
     def grid(self) -> Shaped[Array, "n"]:
         """The values of a grid, as objects."""

@@ -69,7 +69,7 @@ class StudiesPanel:
         """Whether the page follows a presentation; the session knows."""
         self._settings: Settings | None = None
         self._open, self._drawn_at = True, float("-inf")
-        self._drawn: tuple[int, object] = 0, None
+        self._drawn: tuple[StudyMap | None, object] = None, None
         """The map that was drawn last, and everything else that decided the picture."""
         form.gui.add_html(NOTE.format(escaped(INTRODUCTION)))
         for ready in READY:
@@ -150,9 +150,10 @@ class StudiesPanel:
         running = self.progress.running is not None
         others = self._metric_shown(filling), self._outdated(filling), self._settings, running
         soon = time.monotonic() - self._drawn_at < PERIOD
-        if (id(filling.map), others) == self._drawn or (others == self._drawn[1] and soon):
+        drawn, drawn_with = self._drawn
+        if others == drawn_with and (soon or filling.map is drawn):
             return
-        self._drawn, self._drawn_at = (id(filling.map), others), time.monotonic()
+        self._drawn, self._drawn_at = (filling.map, others), time.monotonic()
         content = markup(self._shown(filling, filling.map))
         if content != self.block.content:
             self.block.content = content
@@ -162,7 +163,7 @@ class StudiesPanel:
     def forget_preset(self) -> None:
         """Stop and drop the map: it belongs to a preset that is not on the page any more."""
         self.progress.stop()
-        self.filling = None
+        self.filling, self._drawn = None, (None, None)
         self.block.visible = False
         self._files.show(False)
 
