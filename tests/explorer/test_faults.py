@@ -105,7 +105,7 @@ def test_a_page_that_cannot_be_built_is_a_sentence_and_the_others_live_on(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr("explorer.session.Dock", _broken)
+        patch.setattr("explorer.session.page.Dock", _broken)
         unlucky = Wire(sessions[0])
         unlucky.wait_for(lambda: any("Internal error" in text for text in unlucky.notifications), "a sentence")
         unlucky.close()
