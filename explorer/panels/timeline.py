@@ -16,7 +16,7 @@ from explorer.web.elements import element_id, of_kind
 from explorer.widgets import typed_number
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import when_moved
-from explorer.widgets.dials import BOX_LABEL
+from explorer.widgets.dial_control import BOX_LABEL
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
 from rangenav import window_text

@@ -12,7 +12,7 @@ from explorer.model.glossary import PAPER_GAINS, in_labels
 from explorer.model.glossary.gains import BLOCKS
 from explorer.model.settings import GainUnits
 from explorer.panels.gains.physical_units import labelled_values
-from explorer.widgets.dials import DIGITS
+from explorer.widgets.dial_control import DIGITS
 from explorer.widgets.html import NOTE, table
 from rangenav import attitude
 from rangenav.gains import Gains

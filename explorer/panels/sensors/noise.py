@@ -5,7 +5,8 @@ density n (unit/√Hz)     standard deviation per sample σ = n √(IMU rate)
 
 from explorer.model.glossary import SENSING
 from explorer.widgets.controls import Switch
-from explorer.widgets.dials import DIGITS, LogDial
+from explorer.widgets.dial_control import DIGITS
+from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
 from rangenav.number_format import significant

@@ -12,7 +12,8 @@ from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Choice, Number, Switch, Text
-from explorer.widgets.dials import Dial, DialControl, InverseDial, LogDial
+from explorer.widgets.dial_control import DialControl
+from explorer.widgets.dials import Dial, InverseDial, LogDial
 from explorer.widgets.vector import AXES, Vector
 from rangenav import axes
 from rangenav.signals import Flown, Multisine

@@ -5,7 +5,7 @@ import msgspec
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Text
-from explorer.widgets.dials import DIGITS
+from explorer.widgets.dial_control import DIGITS
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
 from explorer.widgets.vector import Vector
