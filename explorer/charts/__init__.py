@@ -1,32 +1,21 @@
 """The plots in the left dock: created once, then assigned. `plots` turns a Picture into numbers, `markup` into HTML."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import partial
 
 from viser import ClientHandle
 
 from explorer.charts import cursor_values, markup, plot_file, plot_list
-from explorer.charts.chart import Chart, ChartStyle
-from explorer.charts.large_view import LargeView
+from explorer.charts.chart import Chart
+from explorer.charts.over_page import OverPage
+from explorer.charts.plot_size import PlotSize
 from explorer.charts.plot_tabs import PlotPanel
 from explorer.charts.plot_text import PlotTexts
 from explorer.charts.pointer import Pointer, curve_id
-from explorer.charts.side_by_side import SideBySide
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 from explorer.model.drawn import Drawn
 
-WIDTH, PANEL_WIDTH = 360, 303
-"""px of a single panel, and of each of two. viser opens a second panel at this width of its own."""
-TWO_PANELS = 1570
-"""px: a wider window has room for two panels."""
-FOLDED, BIG_FOLDED = 1000, 1600
-"""px, and with big type: in a narrower window the panel of plots is folded to a bar, which a click unfolds."""
-USUAL_HEIGHT, OF_WINDOW, GROWTH = 102, 768, 0.19
-"""px: four plots of this height fill a panel in a window of that height; and by how much each grows with it."""
-MIN_HEIGHT, MAX_HEIGHT = 90, 320
-"""px of a plot."""
 GROUP_TITLES = {group.title: {plot.name: plot.title for plot in group.plots} for group in plot_list.GROUPS}
 """The titles of the plots by their names, for each group of plots that share a tab."""
 PLOTS = {plot.name: plot for group in plot_list.GROUPS for plot in group.plots}
@@ -37,34 +26,6 @@ SLOW = frozenset(plot.name for group in plot_list.GROUPS if group.slow for plot 
 EXCITATION = "excitation"
 BESIDE = "-beside"
 """Behind the name of a plot: the plot of the pinned run and of the one on the page, side by side."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlotSize:
-    """How the panels of plots fit into a window."""
-
-    two_panels: bool = False
-    folded: bool = False
-    width: int = WIDTH
-    """px of a single panel."""
-    style: ChartStyle = field(default_factory=ChartStyle)
-    window_height: float = OF_WINDOW
-    """px"""
-
-
-def plot_size(width: float, height: float, *, big: bool = False, dark: bool = False) -> PlotSize:
-    """For a window of this width and height (CSS px), for `big` type and for a `dark` page."""
-    two_panels = width >= TWO_PANELS and not big
-    plot_height = min(max(USUAL_HEIGHT + GROWTH * (height - OF_WINDOW), MIN_HEIGHT), MAX_HEIGHT)
-    plot_height = round(1.4 * plot_height if big else plot_height)
-    panel_width = WIDTH if width >= 1200 else round(0.8 * WIDTH)
-    return PlotSize(
-        two_panels=two_panels,
-        folded=width < (BIG_FOLDED if big else FOLDED),
-        width=round(1.25 * WIDTH) if big and width >= 1200 else panel_width,
-        style=ChartStyle(height=plot_height, big=big, dark=dark),
-        window_height=height,
-    )
 
 
 def _nothing() -> None:
@@ -89,8 +50,7 @@ class Charts:
         """The elements that change as time moves, also where no plot is in sight: the cursors at every frame, and the
         values seldom enough to be read."""
         self._texts = PlotTexts(client)
-        self._over: LargeView | SideBySide | None = None
-        """The window that lies over the page."""
+        self._over = OverPage(client)
         self._size = size
         self._panels = self._build(size)
 
@@ -162,34 +122,22 @@ class Charts:
 
     def _expand(self, name: str) -> None:
         """Show a plot large."""
-        self.close_large()
-        size, pinned = self._size, self._comparison.pinned is not None
-        self._over = LargeView(
-            self._client,
-            PLOTS[name],
-            size.window_height,
-            self._switched_off[name],
-            size.style,
-            pinned=pinned,
-        )
+        pinned = self._comparison.pinned is not None
+        self._over.enlarge(PLOTS[name], self._size, self._switched_off[name], pinned=pinned)
         self._draw_over()
 
     def show_side_by_side(self, name: str = EXCITATION) -> None:
         """Show a plot of the pinned run and of the one on the page side by side."""
-        self.close_large()
-        size = self._size
-        self._over = SideBySide(self._client, PLOTS[name], TITLES, size.window_height, size.style)
+        self._over.open_side_by_side(PLOTS[name], TITLES, self._size)
         self._draw_over()
 
     def close_large(self) -> None:
         """Close the window over the page, if there is one."""
-        if self._over is not None:
-            self._over.close()
-            self._over = None
+        self._over.close()
 
     def _draw_over(self) -> None:
         """Draw the window over the page."""
-        if self._over is not None and self._picture is not None:
+        if self._over.plot is not None and self._picture is not None:
             self._over.draw(self._picture, self._comparison)
             self._write_texts()
         self._cursor_drawn.forget()
@@ -198,7 +146,7 @@ class Charts:
         """Show another picture and the runs compared with it; the cursor moves to a time (s), or stays."""
         self._comparison, self._settled = comparison, False
         self._take(picture)
-        if self._over is not None and self._over.plot.name not in SLOW:
+        if self._over.plot is not None and self._over.plot.name not in SLOW:
             self._draw_over()
         self.cursor(picture, self._time if time is None else time)
 
@@ -207,15 +155,15 @@ class Charts:
         for a moment."""
         self._settled = True
         self._take(picture)
-        if self._over is not None:
+        if self._over.plot is not None:
             self._draw_over()
         self.cursor(picture, self._time)
         self._write_texts()
 
     def _write_texts(self) -> None:
         """Say in sentences what the plots in sight show."""
-        over = () if self._over is None else self._over.charts
-        self._texts.write([*(chart for chart in self.charts if chart.is_among(self._in_sight)), *over])
+        in_sight = (chart for chart in self.charts if chart.is_among(self._in_sight))
+        self._texts.write([*in_sight, *self._over.charts])
 
     def cursor(self, picture: Picture, time: float, *, values: bool = True) -> None:
         """Move the time cursor of all plots to a time (s), show or hide the curves whose legend entries were clicked,
@@ -237,7 +185,8 @@ class Charts:
         values_at = time if pointed is None else pointed * duration
         hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
         in_sight = (chart for chart in self.charts if chart.is_among(self._in_sight))
-        charts = (*in_sight, *(self._over.charts if isinstance(self._over, SideBySide) else ()))
+        beside = self._over.side_by_side
+        charts = (*in_sight, *(() if beside is None else beside.charts))
         values = [entry for chart in charts for entry in chart.legend_values(values_at)]
         status = cursor_values.status_line(picture, time)
         self._values.content = markup.values_style(values, status, hovered)
@@ -264,9 +213,10 @@ class Charts:
         Raises ValueError with one sentence if there is no such plot, if no curve is shown, or if the file would be too
         large."""
         if name.endswith(BESIDE) and kind != "csv":
-            if not isinstance(self._over, SideBySide):
+            beside = self._over.side_by_side
+            if beside is None:
                 raise ValueError("two runs side by side are not shown: “Show A and B side by side” in the tab Compare")
-            return partial(plot_file.picture, self._over.panels(), kind, self._over.summary())
+            return partial(plot_file.picture, beside.panels(), kind, beside.summary())
         chart = next((chart for chart in self.charts if chart.plot.name == name), None)
         if chart is not None and chart.outdated and self._picture is not None and (self._settled or name not in SLOW):
             chart.draw(self._picture, self._comparison)  # it was out of sight
@@ -294,7 +244,7 @@ class Charts:
         clicks = self._pointer.take_clicks()
         if not clicks:
             return
-        for chart in (*self.charts, *(() if self._over is None else self._over.charts)):
+        for chart in (*self.charts, *self._over.charts):
             for column in chart.plot.in_legend:
                 if clicks.count(curve_id(chart.plot, column)) % 2:
                     chart.toggle(column)

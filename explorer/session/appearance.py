@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import viser
 
-from explorer.charts import Charts, plot_size
+from explorer.charts import Charts
+from explorer.charts.plot_size import plot_size
 from explorer.model import layers
 from explorer.panels import dock
 from explorer.panels.dock import Dock

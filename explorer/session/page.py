@@ -9,7 +9,8 @@ from functools import partial
 
 import viser
 
-from explorer.charts import GROUP_TITLES, Charts, plot_size
+from explorer.charts import GROUP_TITLES, Charts
+from explorer.charts.plot_size import plot_size
 from explorer.model.glossary import COMPARE
 from explorer.model.history import History
 from explorer.model.playback import Playback

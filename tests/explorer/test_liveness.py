@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from explorer.charts import Charts, PlotSize, plot_list
+from explorer.charts import Charts, plot_list
+from explorer.charts.plot_size import PlotSize
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Settings
 from explorer.scene import Scene

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from explorer.charts import Charts, PlotSize, comparison_curves, curves, markup, plot_list, plots
+from explorer.charts import Charts, comparison_curves, curves, markup, plot_list, plots
+from explorer.charts.plot_size import PlotSize
 from explorer.charts.plots import Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from explorer.charts import Charts, PlotSize, comparison_curves, plot_list, plots, side_by_side
+from explorer.charts import Charts, comparison_curves, plot_list, plots, side_by_side
+from explorer.charts.plot_size import PlotSize
 from explorer.model import comparison, consistency, differences
 from explorer.model import side_by_side as numbers
 from explorer.model.comparison import Baseline, Comparison

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from explorer.charts import Charts, PlotSize, plot_list
+from explorer.charts import Charts, plot_list
 from explorer.charts.chart import Chart
+from explorer.charts.plot_size import PlotSize
 from explorer.charts.plot_tabs import OUTDATED
 from explorer.model.compute import Picture
 from tests.support.pictures import picture

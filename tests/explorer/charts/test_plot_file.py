@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 import viser
 
-from explorer.charts import Charts, PlotSize, plot_file, plot_list
+from explorer.charts import Charts, plot_file, plot_list
+from explorer.charts.plot_size import PlotSize
 from explorer.charts.plots import Drawing, Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings

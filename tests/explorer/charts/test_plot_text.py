@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from explorer.charts import Charts, PlotSize, plot_text
+from explorer.charts import Charts, plot_text
 from explorer.charts.plot_list import GROUPS
+from explorer.charts.plot_size import PlotSize
 from rangenav.number_format import significant
 from tests.support.pictures import picture
 from tests.support.sent_messages import Page

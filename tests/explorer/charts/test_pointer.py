@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.charts import Charts, PlotSize, markup, plot_list, plots, pointer
+from explorer.charts import Charts, markup, plot_list, plots, pointer
+from explorer.charts.plot_size import PlotSize
 from explorer.charts.pointer import Pointer
 from explorer.session.interaction import BRUSH_STEP, drawn_window
 from rangenav import preset

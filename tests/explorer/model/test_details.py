@@ -11,9 +11,10 @@ import viser
 from msgspec.structs import replace
 from viser.transforms import SO3
 
-from explorer.charts import Charts, PlotSize, markup, plot_list
+from explorer.charts import Charts, markup, plot_list
 from explorer.charts import details as drawings
 from explorer.charts.cursor_values import window_at
+from explorer.charts.plot_size import PlotSize
 from explorer.charts.plot_tabs import OUTDATED
 from explorer.model import details
 from explorer.model.compute import compute
