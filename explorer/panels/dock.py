@@ -20,7 +20,8 @@ from explorer.panels.gains.basin import BasinPanel
 from explorer.panels.gains.guess import GuessPanel
 from explorer.panels.gains.tuning import TuningPanel
 from explorer.panels.kept import kept
-from explorer.panels.learn import LearnActions, LearnPanel
+from explorer.panels.learn import LearnPanel
+from explorer.panels.learn.actions import LearnActions
 from explorer.panels.legend import add_legend
 from explorer.panels.open_tabs import OpenTabs
 from explorer.panels.presets import PresetsPanel

@@ -5,54 +5,30 @@ what the page shows whenever nothing has changed for a moment.
 """
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
-import msgspec
 import viser
 
-from explorer.lessons import demonstration, screens
+from explorer.lessons import demonstration
 from explorer.lessons.course import Course
-from explorer.lessons.lesson import Lesson, Place
+from explorer.lessons.lesson import Lesson
 from explorer.lessons.state import State
-from explorer.model import learning as progress
 from explorer.model.compute import Picture
-from explorer.model.learning import PREDICTION, Learning
-from explorer.model.settings import Settings
-from explorer.panels.learn import markup
+from explorer.model.learning import Learning
+from explorer.panels.learn.actions import LearnActions
+from explorer.panels.learn.elements import Elements
 from explorer.panels.learn.for_teachers import ForTeachers
 from explorer.panels.learn.judge import Judge
+from explorer.panels.learn.open_lesson import OpenLesson
 from explorer.panels.learn.screen_figures import ScreenFigures
 from explorer.panels.learn.show import Show
-from explorer.widgets import typed_number
 from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
-from rangenav.number_format import quantity
 
 EXPORT = (
     "Now export it yourself: on the tab Presets open “Download with certificate”, switch “polynomials” on, and press "
     "“Export as a zip”."
 )
-COMMIT_HINT = "A committed prediction stays."
-NUMBER_HINT = "A number, such as 0.5. It is committed by the button below, and stays."
-
-
-@dataclass(frozen=True, kw_only=True)
-class LearnActions:
-    """What only the session can do."""
-
-    pin: Callable[[Settings | None], None]
-    """Pins a run A by its settings, or unpins it."""
-    pinned: Callable[[], Settings | None]
-    rewind: Action
-    """Goes to the beginning of the flight."""
-    download: Callable[[str, bytes], None]
-    """Downloads a file: its name and its content."""
-    exported: Callable[[], tuple[str, bytes] | None]
-    """The name of the format and the content of the file that was exported last."""
-    go_to: Callable[[Place], None]
-    """Brings a control into sight."""
 
 
 class LearnPanel:
@@ -66,15 +42,9 @@ class LearnPanel:
         self._judge = Judge(form.new_jobs(), pinned=actions.pinned, exported=actions.exported)
         self._teacher: ForTeachers | None = ForTeachers(form.new_jobs(), course.lessons, actions.download)
         self._figures = ScreenFigures(form.new_jobs())
-        self.learning = Learning()
+        self._opened = OpenLesson(course)
         self._show, self._said = Show(), ""
-        self._block = form.gui.add_html("")
-        self._strip = strip
-        self._number = form.gui.add_text("your prediction", "", visible=False, hint=NUMBER_HINT)
-        self._commit = form.button(
-            "Commit", lambda: self.predict(self._number.value), hint="A committed prediction stays."
-        )
-        self._commit.visible = False
+        self._elements = Elements(form, strip, commit=self.predict)
         self._draw()
 
     @property
@@ -103,17 +73,22 @@ class LearnPanel:
     @property
     def lesson(self) -> Lesson | None:
         """The open lesson; None while the list is shown, or if the lesson is no longer there."""
-        return next((one for one in self._course.lessons if one.name == self.learning.lesson), None)
+        return self._opened.lesson
+
+    @property
+    def learning(self) -> Learning:
+        """Where the visitor is in the course; saved with the visitor's work."""
+        return self._opened.learning
 
     @property
     def waits_for_prediction(self) -> bool:
         """Whether a lesson is open whose prediction is not committed yet: nothing may answer it."""
-        return self.lesson is not None and PREDICTION not in self._given
+        return self._opened.waits_for_prediction
 
     @property
     def content(self) -> str:
         """What the tab shows, as HTML."""
-        return self._block.content
+        return self._elements.content
 
     @property
     def titles(self) -> dict[int, str]:
@@ -122,7 +97,7 @@ class LearnPanel:
 
     def open(self, lesson: Lesson) -> None:
         """Show a lesson from its beginning, on its first state."""
-        self.learning = progress.opened(self.learning, lesson.name, self._page.read())
+        self._opened.open(lesson, before=self._page.read())
         self._judge.begin()
         self._session.rewind()
         self._put(lesson.start)
@@ -135,11 +110,7 @@ class LearnPanel:
 
     def restore(self, learning: Learning) -> None:
         """Take over where the visitor was before a reload, but not beyond a prediction that is not committed."""
-        self.learning = learning
-        lesson = self.lesson
-        if lesson is not None and self.waits_for_prediction:
-            first = [screen.kind for screen in screens.screens(lesson)].index("prediction")
-            self.learning = msgspec.structs.replace(learning, screen=min(learning.screen, first))
+        self._opened.restore(learning)
         self._draw()
 
     def wait(self, now: float) -> float | None:
@@ -159,7 +130,7 @@ class LearnPanel:
     def draw(self, picture: Picture) -> None:
         """The page shows another picture: the old outcome is that of something else."""
         self._judge.moved(picture)
-        if self._kind == "task":  # the figures of other screens follow when nothing moves
+        if self._opened.kind == "task":  # the figures of other screens follow when nothing moves
             self._write()
 
     def draw_details(self, picture: Picture) -> None:
@@ -168,23 +139,18 @@ class LearnPanel:
         lesson = self.lesson
         if lesson is not None:
             self._draw()
-            self._judge.check(lesson, self._given, self._take)
+            self._judge.check(lesson, self._opened.answers, self._take)
 
     def check_again(self) -> None:
         """Check once more if something else was opened, answered, pinned or exported while the picture stayed."""
         picture = self._judge.picture
-        if picture is not None and self._judge.is_behind(self._given):
+        if picture is not None and self._judge.is_behind(self._opened.answers):
             self.draw_details(picture)
-
-    @property
-    def _given(self) -> dict[str, str]:
-        """The answers in the open lesson, by their questions."""
-        return progress.answers_of(self.learning, self.learning.lesson)
 
     def _take(self) -> None:
         outcome = self._judge.outcome
         if outcome is not None and outcome.passed:
-            self.learning = progress.passed(self.learning)
+            self._opened.passed()
         self._draw()
 
     def _put(self, state: State) -> None:
@@ -196,12 +162,8 @@ class LearnPanel:
         self._draw()
 
     def _turn(self, by: int) -> None:
-        lesson = self.lesson
-        if lesson is None or (by > 0 and self._asks_now):
-            return
-        _, k, count = screens.shown(lesson, self.learning.screen)
-        self.learning = msgspec.structs.replace(self.learning, screen=min(max(k + by, 0), count - 1))
-        self._draw()
+        if self._opened.turn(by):
+            self._draw()
 
     def leave(self) -> None:
         """Back to the list, and to what was on the page before."""
@@ -213,15 +175,14 @@ class LearnPanel:
     def close(self) -> None:
         """Back to the list; what is on the page stays, and is the visitor's own work from now on."""
         self._stop_show()
-        self.learning = progress.left(self.learning)
+        self._opened.leave()
         self._session.pin(None)
         self._draw()
 
     def _following(self) -> None:
-        names = [lesson.name for lesson in self._course.lessons]
-        k = names.index(self.learning.lesson) + 1 if self.learning.lesson in names else len(names)
-        if k < len(names):
-            self.open(self._course.lessons[k])
+        following = self._opened.following
+        if following is not None:
+            self.open(following)
         else:
             self.leave()
 
@@ -234,41 +195,25 @@ class LearnPanel:
         self._draw()
 
     def _hint(self) -> None:
-        self.learning = msgspec.structs.replace(self.learning, hints=self.learning.hints + 1)
+        self._opened.show_hint()
         self._draw()
 
     def _predict(self, k: int) -> None:
-        lesson = self.lesson
-        if lesson is None or k > len(lesson.header.prediction.choices):
-            return
-        self._commit_prediction(lesson.header.prediction.choices[k - 1])
+        if self._opened.predict_choice(k):
+            self._draw()
 
     def predict(self, text: str) -> None:
         """Commit a number as a person types it; what is not a number gets a sentence."""
-        lesson = self.lesson
-        if lesson is None:
-            return
         try:
-            value = typed_number.parse(text)
+            self._opened.predict_number(text)
         except ValueError as error:
             self._say(f"⚠ Your prediction: {error}")
             return
-        self._said = ""
-        self._commit_prediction(quantity(value, lesson.header.prediction.unit))
-
-    def _commit_prediction(self, answer: str) -> None:
-        """A prediction is committed once."""
-        if PREDICTION not in self._given:
-            self.learning = progress.answered(self.learning, PREDICTION, answer)
-            self._turn(1)
+        self._say("")
 
     def _answer(self, k: int, j: int) -> None:
-        lesson = self.lesson
-        if lesson is None or k > len(lesson.header.answers) or j > len(lesson.header.answers[k - 1].choices):
-            return
-        asked = lesson.header.answers[k - 1]
-        self.learning = progress.answered(self.learning, asked.name, asked.choices[j - 1])
-        self._draw()
+        if self._opened.choose(k, j):
+            self._draw()
 
     def _open_case(self, k: int) -> None:
         lesson = self.lesson
@@ -290,7 +235,7 @@ class LearnPanel:
     def _end_of_show(self, lesson: Lesson) -> str:
         """Give the answers of the solution; a sentence on what remains to be done by hand."""
         for name, answer in lesson.solved.answers.items():
-            self.learning = progress.answered(self.learning, name, answer)
+            self._opened.answer(name, answer)
         return EXPORT if lesson.solved.exported is not None else "That is a solution."
 
     def _stop_show(self) -> None:
@@ -317,53 +262,5 @@ class LearnPanel:
 
     def _write(self) -> None:
         """Show what is known."""
-        self._figures.begin()
-        lesson = self.lesson
-        if lesson is None:
-            guide = None if self._teacher is None else self._teacher.guide
-            content = markup.course_list(self._course, self.learning, guide)
-        else:
-            shown = markup.Shown(
-                learning=self.learning,
-                states=self._states(lesson),
-                read=self._figures.read,
-                outcome=self._judge.outcome,
-                said=self._said,
-                last=lesson is self._course.lessons[-1],
-            )
-            content = markup.screen(lesson, shown)
-        asks_number = lesson is not None and self._asks_number(lesson)
-        if asks_number and not self._number.visible:
-            self._number.value = ""  # what was typed in another lesson is no answer here
-        for handle in (self._number, self._commit):
-            if handle.visible != asks_number:
-                handle.visible = asks_number
-        strip = (
-            "" if lesson is None or self._kind not in ("task", "outcome") else markup.strip(lesson, self._judge.outcome)
-        )
-        if strip != self._strip.content:
-            self._strip.content = strip
-        if content != self._block.content:
-            self._block.content = content
-
-    @property
-    def _kind(self) -> screens.Kind | None:
-        """What the open screen is; None while the list is shown."""
-        lesson = self.lesson
-        if lesson is None:
-            return None
-        return screens.shown(lesson, self.learning.screen)[0].kind
-
-    @property
-    def _asks_now(self) -> bool:
-        """Whether the open screen asks for the prediction."""
-        return self._kind == "prediction" and self.waits_for_prediction
-
-    def _asks_number(self, lesson: Lesson) -> bool:
-        return self._asks_now and not lesson.header.prediction.choices
-
-    def _states(self, lesson: Lesson) -> dict[str, State | None]:
-        """The states that the text may name; before the first picture what is shown is the lesson's first state."""
-        picture = self._judge.picture
-        shown = lesson.start if picture is None else self._judge.state(picture.settings, self._given)
-        return lesson.states(shown)
+        guide = None if self._teacher is None else self._teacher.guide
+        self._elements.show(self._opened, self._judge, self._figures, said=self._said, guide=guide)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 
 from explorer.lessons.lesson import Lesson
 from explorer.lessons.state import Outcome, State
+from explorer.lessons.text import States
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Settings
@@ -54,6 +55,11 @@ class Judge:
         exported = self._exported()
         fresh = None if exported is self._earlier_export else exported
         return State(settings=settings, pinned=self._pinned(), answers=dict(answers), exported=fresh)
+
+    def states(self, lesson: Lesson, answers: Mapping[str, str]) -> States:
+        """The states that a text may name; before the first picture what is shown is the lesson's first state."""
+        picture = self.picture
+        return lesson.states(lesson.start if picture is None else self.state(picture.settings, answers))
 
     def is_behind(self, answers: Mapping[str, str]) -> bool:
         """Whether something else was opened, answered, pinned or exported while the picture stayed."""
