@@ -26,7 +26,7 @@ def view_of(dock: Dock, history: History, playback: Playback) -> View:
         time=playback.time,
         speed=playback.speed,
         loop=playback.loop,
-        estimators=tuple(name for name in NAMES if name in compare.enabled),
+        estimators=tuple(name for name in NAMES if name in compare.estimators.enabled),
         pinned=compare.pinned_settings,
         keep_pinned=compare.keep_pinned.read(),
         learning=dock.learn.learning,

@@ -79,7 +79,7 @@ def test_seeds_give_a_band_which_never_outlives_the_settings(comparing: tuple[Wi
     tab.set("attitude gain k1 (1/s)", 0.3)
     tab.wait_for_text("the band belonged to others and is gone")
     assert not any("5 seeds" in shown for shown in labels(session))
-    assert panel(session).seeds is None
+    assert panel(session).seeds.band is None
 
 
 def test_moving_the_window_or_the_vehicle_keeps_the_band_for_the_runs_are_the_same(comparing: tuple[Wire, Session]):
@@ -116,7 +116,7 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
     tab.set("range weight q (1/(m⁴ s))", 1.0)
     tab.wait_for(lambda: len(stops) == 2, "the job to end")
     tab.wait_for_text("The settings changed while the seeds ran")
-    assert panel(session).seeds is None
+    assert panel(session).seeds.band is None
 
 
 @pytest.mark.parametrize("value", [0, 101, 2.5, math.nan, math.inf, -1e300])
@@ -138,9 +138,9 @@ def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple
     tab.wait_for(lambda: "refined: converged after" in page_text(tab), "the refinement's words")
     assert sum({"EKF", "refined"} <= shown for shown in labels(session)) == 4
     before = page_text(tab)
-    run = panel(session).baseline_results.results["refined"][0]
+    run = panel(session).estimators.known.results["refined"][0]
     tab.set("noise seed", 3.0)
-    tab.wait_for(lambda: panel(session).baseline_results.results["refined"][0] != run, "another refinement")
+    tab.wait_for(lambda: panel(session).estimators.known.results["refined"][0] != run, "another refinement")
     tab.wait_for(lambda: page_text(tab) != before and "at work" not in page_text(tab), "its words")
     tab.set("extended Kalman filter (EKF)", False)
     time.sleep(PRESS)
@@ -158,4 +158,4 @@ def test_a_record_without_ranges_is_refused_by_the_refinement_alone(comparing: t
     tab.set("refinement afterwards", True)
     tab.wait_for_text("a refinement needs ranges")
     assert "Not shown" not in page_text(tab)
-    assert panel(session).enabled == {"refined"}
+    assert panel(session).estimators.enabled == {"refined"}

@@ -227,7 +227,7 @@ def test_estimators_time_pin_and_undo_survive_a_reload(sessions: tuple[int, Sess
     after.tab.wait_for(lambda: compare.pinned is not None, "the pinned run")
     assert compare.pinned is not None
     assert compare.pinned.preset.gains.riccati.q == weight
-    assert compare.enabled == {"EKF"}
+    assert compare.estimators.enabled == {"EKF"}
     assert after.settings == left
     after.tab.wait_for(lambda: after.tab.value("t (s)") == 7.5, "the moment")
     after.tab.wait_for_text("paused ×0.5")
