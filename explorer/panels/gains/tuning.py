@@ -5,56 +5,36 @@ it. Its gains come on the page only by “Use these gains”, which can be undon
 another path or other sensors by then.
 """
 
-import math
-
 import msgspec
-import viser
 
 from explorer.model.compute import Picture
-from explorer.model.glossary import COMPARE
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.gains import tradeoff_plot
 from explorer.panels.gains import tuning_text as text
+from explorer.panels.gains.curve_picker import CurvePicker
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
+from explorer.panels.gains.tuning_options import TuningOptions
 from explorer.panels.presets import Page
 from explorer.widgets.answer import AnswerButton
-from explorer.widgets.controls import Number, when_moved
-from explorer.widgets.dials import Dial
 from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE
 from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import tradeoff, tune
 from rangenav.gains import Gains
-from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
-from rangenav.tradeoff import Measure, Point
+from rangenav.tradeoff import Point
 from rangenav.tune import Tuned
 
-MAX_RUNS, RUNS = 32, 8
-MAX_EVALUATIONS, EVALUATIONS = 2000, 300
-STEADINESS, WEIGHTS = 0.5, (0.0, 1.0)
 SEARCH_SHARE = 0.95
 """Share of the work that is the search; the rest scores the gains on held-out seeds."""
-CURVES: dict[str, tuple[Measure, Measure]] = {
-    "both together": ("settle", "steady"),
-    "position": ("settle_position", "steady_position"),
-    "attitude": ("settle_attitude", "steady_attitude"),
-}
-WEIGHT, RUNS_TERM, TRIES = COMPARE["exactness"], COMPARE["tuning runs"], COMPARE["tries"]
 TUNE_HINT = "Searches the gains from those on the page. The page stays usable; nothing changes until you say so."
-CURVE_HINT = (
-    "Whose trade-off curve to walk along: gains that none of those tried beats both in settling and in exactness."
-)
-PLACE = "place on the curve"
-PLACE_HINT = "Left: settles soonest. Right: most exact afterwards."
 USE_HINT = "Puts the picked gains on the page, and pins the run before as A; Ctrl+Z takes them back."
 DISCARD_HINT = "Forgets what the search has found; the gains on the page stay as they are."
 USE = AnswerButton(event="use-gains", label="Use these gains", hint=USE_HINT, main=True)
 DISCARD = AnswerButton(event="discard-gains", label="Discard", hint=DISCARD_HINT)
-HtmlHandle = viser.GuiHtmlHandle
 
 
 class TuningPanel:
@@ -66,7 +46,6 @@ class TuningPanel:
         self._picture: Picture | None = None
         self.result: tuple[Preset, Tuned] | None = None
         self.picked: Point | None = None
-        self.choices: tuple[Point, ...] = ()
         self._held_out_jobs = form.new_jobs()
         self.outcome = ""
         """What the last search has found; empty once that was used or discarded."""
@@ -77,25 +56,17 @@ class TuningPanel:
         """The picture before the gains were used, and these gains."""
         self._section = section = Section(form, "Auto-tune", expanded=False)
         with section:
-            self._steadiness = Dial(section, WEIGHT.caption, WEIGHTS, step=0.05, hint=WEIGHT.hint)
-            self._steadiness.write(STEADINESS, None)
-            self._runs = Number(section, RUNS_TERM.caption, hint=RUNS_TERM.hint)
-            self._evaluations = Number(section, TRIES.caption, hint=TRIES.hint)
-            self._runs.write(RUNS, None)
-            self._evaluations.write(EVALUATIONS, None)
+            self._options = TuningOptions(section)
             form.button("Tune the gains", self.start, hint=TUNE_HINT)
             self.progress = ProgressPanel(form, jobs)
             self._summary_block, self._plots_block = form.gui.add_html(""), form.gui.add_html("")
-            self._curve = form.gui.add_dropdown("curve to pick from", tuple(CURVES), hint=CURVE_HINT)
-            self._place = Dial(section, PLACE, (1.0, 2.0), step=1.0, hint=PLACE_HINT, ends=False)
+            self._curve = CurvePicker(form, section)
             self._picked_block = form.gui.add_html("")
             self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
             self._used_block = form.gui.add_html("", visible=False)
             self._discard = form.button("Discard the search", self._forget_result, hint=DISCARD_HINT)
         section.check(self._checked)
-        when_moved(self._curve, lambda: form.do(self._choose_curve, step=False))
-        for handle in self._place.handles:
-            when_moved(handle, lambda: form.do(self._pick, step=False))
+        self._curve.when_moved(curve=self._choose_curve, place=self._pick)
         self._forget_result()
         form.command("Auto-tune", self.start)
 
@@ -107,7 +78,7 @@ class TuningPanel:
     def start(self) -> None:
         """Look for better gains."""
         with self._section.catching():
-            preset, (steadiness, runs, evaluations) = effective(self._page.read()), self._options()
+            preset, (steadiness, runs, evaluations) = effective(self._page.read()), self._options.read()
 
         def work(progress: Progress, cancelled: Cancelled) -> Tuned:
             return tune.tune(
@@ -125,65 +96,36 @@ class TuningPanel:
         self.outcome = ""
         self.progress.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
 
-    def _options(self) -> tuple[float, int, int]:
-        """Weight, runs and tries. Raises ValueError with the reason."""
-        steadiness = self._steadiness.read()
-        require_within(WEIGHT.label, steadiness, *WEIGHTS)
-        runs = _whole(RUNS_TERM.label, self._runs.read(), MAX_RUNS)
-        return steadiness, runs, _whole(TRIES.label, self._evaluations.read(), MAX_EVALUATIONS)
-
     def _checked(self) -> None:
         """Check the options, and what is picked of a result. Raises ValueError with the reason."""
-        self._options()
-        if self.choices:
-            self._checked_curve()
-            self._position()
+        self._options.read()
+        self._curve.check()
 
-    def _checked_curve(self) -> str:
-        """The curve that is shown. The browser may have sent one that is not offered: ValueError."""
-        require(self._curve.value in CURVES, f"curve to pick from must be one of: {', '.join(CURVES)}")
-        return self._curve.value
-
-    def _position(self) -> int:
-        """The number of the point that is picked, from 1. Raises ValueError for one that the curve does not have."""
-        return _whole(PLACE, self._place.read(), len(self.choices))
+    @property
+    def choices(self) -> tuple[Point, ...]:
+        """The points of the trade-off curve that is shown."""
+        return self._curve.choices
 
     def _show(self, preset: Preset, tuned: Tuned, runs: int) -> None:
         self.result, self.picked, self._runs_used = (preset, tuned), tuned.after, runs
         self._held_out_points = {one.gains: one for one in (tuned.held_out_before, tuned.held_out_after)}
         self._summary_text, self.outcome = text.summary(tuned, runs), text.outcome(tuned, runs)
-        self._curve.value = next(iter(CURVES))
-        self._offer_choices()
+        self._curve.begin(tuned)
         self._show_result(True)
         self._update_text()
         self._plot()
 
-    def _offer_choices(self) -> None:
-        """Offer the points of the chosen curve, and set the slider to the one with the least J.
-
-        Position does not depend on the attitude gains: of points with equal figures, one with the least J counts.
-        """
-        if self.result is None:
-            return
-        tuned, curve = self.result[1], self._curve.value
-        by_objective = sorted(tuned.points, key=lambda point: point.objective(tuned.steadiness))
-        self.choices = tradeoff.front(tuple(by_objective), *CURVES[curve])
-        best = min(range(len(self.choices)), key=lambda k: self.choices[k].objective(tuned.steadiness))
-        self._place.show(1.0)
-        self._place.span(float(max(len(self.choices), 2)))
-        self._place.show(float(best + 1))
-
     def _choose_curve(self) -> None:
         """Show another curve."""
         with self._section.catching():
-            self._checked_curve()
-        self._offer_choices()
+            self._curve.check_curve()
+        if self.result is not None:
+            self._curve.offer(self.result[1])
         self._pick()
 
     def _pick(self) -> None:
         with self._section.catching():
-            position = self._position()
-        self.picked = self.choices[position - 1]
+            self.picked = self._curve.point()
         self._score_held_out(self.picked)
         self._update_text()
         self._plot()
@@ -210,12 +152,12 @@ class TuningPanel:
         if self.result is not None and self.picked is not None:
             preset, tuned = self.result
             differs = text.differs(preset, self._picture)
-            _assign(self._summary_block, NOTE.format(self._summary_text + differs))
+            self._summary_block.content = NOTE.format(self._summary_text + differs)
             if differs:
                 self.outcome = ""
             held_out = self._held_out_points.get(self.picked.gains)
             self._update_used(tuned)
-            _assign(self._picked_block, NOTE.format(text.picked(self.picked, held_out, tuned, self._picture)))
+            self._picked_block.content = NOTE.format(text.picked(self.picked, held_out, tuned, self._picture))
 
     def _update_used(self, tuned: Tuned) -> None:
         """Say what the used gains have done, for as long as the run in view has them."""
@@ -224,7 +166,7 @@ class TuningPanel:
             before, point = self._used
             if self._picture.preset == msgspec.structs.replace(before.preset, gains=point.gains):
                 content = NOTE.format(text.used(before, self._picture, point, tuned, self._runs_used))
-        _assign(self._used_block, content)
+        self._used_block.content = content
         self._used_block.visible = bool(content)
 
     def _plot(self) -> None:
@@ -233,7 +175,7 @@ class TuningPanel:
             tuned = self.result[1]
             marked = MarkedPoints(start=tuned.before, best=tuned.after, picked=self.picked, choices=self.choices)
             plots = "".join(tradeoff_plot.plot(axes, tuned.points, marked) for axes in (POSITION, ATTITUDE))
-            _assign(self._plots_block, NOTE.format(plots + tradeoff_plot.legend()))
+            self._plots_block.content = NOTE.format(plots + tradeoff_plot.legend())
 
     @property
     def actions(self) -> dict[str, Action]:
@@ -267,22 +209,10 @@ class TuningPanel:
         self.result = self.picked = self._used = None
         self.outcome = ""
         self._used_block.visible = False
-        self.choices = ()
+        self._curve.forget()
         self._show_result(False)
 
     def _show_result(self, visible: bool) -> None:
-        for part in (self._summary_block, self._plots_block, self._picked_block, self._curve, self._use, self._discard):
+        for part in (self._summary_block, self._plots_block, self._picked_block, self._use, self._discard):
             part.visible = visible
-        for handle in self._place.handles:
-            handle.visible = visible and len(self.choices) > 1
-
-
-def _whole(name: str, value: float, most: int) -> int:
-    whole = math.isfinite(value) and value == int(value) and 1 <= value <= most
-    require(whole, f"{name} must be a whole number between 1 and {most}, got {value:g}")
-    return int(value)
-
-
-def _assign(handle: HtmlHandle, content: str) -> None:
-    if content != handle.content:  # an equal content sends no message to the browser
-        handle.content = content
+        self._curve.show(visible)
