@@ -8,7 +8,7 @@ import viser
 from explorer.charts import Charts
 from explorer.charts.plot_size import plot_size
 from explorer.model import layers
-from explorer.panels import dock
+from explorer.panels import dock_tabs
 from explorer.panels.dock import Dock
 from explorer.scene import Scene
 from explorer.session.display import Display
@@ -49,7 +49,7 @@ class Appearance:
         self._window: Window | None = None
         self._veiled: frozenset[str] = frozenset()
         self._in_class = in_class
-        self._dark, self._controls_width = False, dock.WIDTH
+        self._dark, self._controls_width = False, dock_tabs.WIDTH
 
     def follow(self, window: Window | None, *, guest: bool = False) -> None:
         """Take what the browser has reported last. guest: whether the page shows somebody else's work, which keeps
@@ -86,7 +86,7 @@ def set_theme(client: viser.ClientHandle, *, dark: bool) -> None:
 
 def controls_width(width: float, *, big: bool, in_class: bool = False) -> int:
     """px of the dock of controls in a window of this width (CSS px); in a class it has a tab more."""
-    full = dock.WIDTH * (CLASS_SHARE if in_class else 1.0)
+    full = dock_tabs.WIDTH * (CLASS_SHARE if in_class else 1.0)
     if width < WIDE:
         return round(NARROW_SHARE * full)
     return round(BIG_SHARE * full) if big else round(full)
