@@ -3,6 +3,11 @@
 Each visitor drags the slider of a gain for one second, with ten events, every ten seconds, at moments of its own. The
 figures are those of the server's process; the visitors have no browser, share one process, and what they cost is
 printed beside. With `--chromium` two real tabs play instead: how often they draw, and how long a slider waits.
+
+Memory is what the process has for itself (private pages). A process loads once what all visitors share: libraries, the
+kernels of all estimators, the first picture of the preset. The first visitor therefore plays and drags before the
+memory of one visitor is read, and a visitor costs what the process grows by for each further one. While all drag, the
+memory is read every minute.
 """
 
 import argparse
@@ -121,10 +126,29 @@ async def _work(visitor: Visitor, seconds: float, chance: random.Random) -> None
         await asyncio.sleep(max(0.0, began + EVERY - time.monotonic()))
 
 
+async def _warm_up(visitor: Visitor) -> None:
+    """Have one visitor do all that the others will do, so that the process has loaded what all share."""
+    await visitor.join()
+    await asyncio.sleep(SETTLING)
+    await visitor.play()
+    await visitor.drag(EVENTS, DRAG, 0.0)
+    await asyncio.sleep(SETTLING)
+    await visitor.play()
+    await asyncio.sleep(SETTLING)
+
+
+async def _every_minute(room: Class, minutes: float) -> list[float]:
+    """MB after each minute."""
+    memory: list[float] = []
+    for _ in range(int(minutes)):
+        await asyncio.sleep(60.0)
+        memory.append(room.memory)
+    return memory
+
+
 async def _measure(process: subprocess.Popen[str], count: int, minutes: float, warm_up: float) -> None:
     room = Class(process, count)
-    await room.visitors[0].join()
-    await asyncio.sleep(SETTLING)
+    await _warm_up(room.visitors[0])
     alone = room.memory
     for visitor in room.visitors[1:]:
         await visitor.join()
@@ -141,7 +165,9 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
     warm = room.memory
     for visitor in room.visitors:
         visitor.waits.clear()
+    sampler = asyncio.create_task(_every_minute(room, minutes))
     working = await room.over(60 * minutes)
+    by_minutes = await sampler
     await asyncio.gather(*drags)
     end, errors = room.memory, room.errors()
     for visitor in room.visitors:
@@ -174,11 +200,12 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
             f"from event to picture: p50 {p50:.0f} ms, p95 {p95:.0f} ms, max {worst:.0f} ms of {len(waits)} events",
             f"{pictures} pictures; errors {errors}, events without an answer {lost}, connections closed {closed}",
             f"memory in MB: {alone:.0f} with one visitor, {joined:.0f} with all, {warm:.0f} warm, {end:.0f} at the end",
+            f"memory in MB after each minute of dragging: {' '.join(f'{one:.0f}' for one in by_minutes)}",
         ],
         figures={
             "visitors": count,
             "milliseconds": {"median": p50, "p95": p95, "worst": worst},
-            "megabytes": {"one": alone, "all": joined, "warm": warm, "end": end},
+            "megabytes": {"one": alone, "all": joined, "warm": warm, "end": end, "minutes": by_minutes},
             "versions": versions("numpy", "numba", "viser", "websockets"),
         },
     )

@@ -61,9 +61,13 @@ class Member:
 
     name: str
     following: bool = False
+    copies: bool = False
+    """Whether the page shows a copy of what the teacher showed."""
     lesson: str = ""
     """The title of the open lesson; empty while the list is shown."""
     screen: int = 0
+    screens: int = 0
+    """How many the open lesson has."""
     predictions: Mapping[str, str] = field(default_factory=dict)
     """What was predicted, by the titles of the lessons."""
     passed: frozenset[str] = frozenset()
@@ -80,6 +84,8 @@ class State:
     """Whether all pages show nothing but what the teacher shows."""
     request: Request | None = None
     """The newest request; who comes later does it, too."""
+    answers_wait: bool = False
+    """Whether no page goes on from a committed prediction, so that the class can discuss it first."""
 
 
 class Classroom:
@@ -116,6 +122,10 @@ class Classroom:
     def freeze(self, frozen: bool) -> None:
         """Have all pages show what the teacher shows and take no input, or let them go."""
         self._change(lambda state: replace(state, frozen=frozen and state.shown is not None))
+
+    def hold_answers(self, wait: bool) -> None:
+        """Have all pages wait at a committed prediction, or let them go on to its answer."""
+        self._change(lambda state: replace(state, answers_wait=wait))
 
     def send(self, *, settings: Settings | None = None, lesson: int | None = None) -> None:
         """Have every student's page open these settings, or a lesson, as a step that undo takes back."""

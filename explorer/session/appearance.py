@@ -61,7 +61,7 @@ class Appearance:
             self._controls.see(window.tabs)
             self._controls.verdict.fold("unfolded" not in window.flags)
         looks = replace(window, plots=None, tabs=None, hidden=False)
-        veiled = ANSWERING if self._controls.learn.waits_for_prediction and not guest else frozenset()
+        veiled = ANSWERING if self._controls.learn.keeps_answer and not guest else frozenset()
         if (looks, veiled) == (self._window, self._veiled):
             return
         self._window, self._veiled = looks, veiled

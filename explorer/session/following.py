@@ -11,6 +11,7 @@ from collections.abc import Callable
 import msgspec
 
 from explorer.lessons import course
+from explorer.lessons.screens import screens
 from explorer.model.classroom import Classroom, Member, Shown
 from explorer.model.history import History
 from explorer.model.learning import PREDICTION
@@ -95,6 +96,7 @@ class Follower:
             self._end(back=True)
         elif self._wants or state.frozen:
             self._show(state.shown)
+        self._dock.learn.hold_answer(state.answers_wait)
         self._panel.draw(
             presented=state.shown is not None,
             following=self.following,
@@ -114,15 +116,17 @@ class Follower:
 
     def report(self) -> None:
         """Say to the class where this page is."""
-        learn = self._dock.learn
+        learn, opened = self._dock.learn, self._dock.learn.lesson
         learning, titles = learn.learning, {lesson.name: lesson.header.title for lesson in course().lessons}
         self._classroom.report(
             self._number,
             Member(
                 name=self._panel.name,
                 following=self.following,
+                copies=self._kept is not None and not self.following,
                 lesson=titles.get(learning.lesson, ""),
                 screen=learning.screen,
+                screens=0 if opened is None else len(screens(opened)),
                 predictions={
                     titles[one.lesson]: one.answer
                     for one in learning.answers

@@ -110,7 +110,8 @@ class TeachersPart:
         dock, actions = visit.dock, visit.actions
         self._presenter = Presenter(visit.client, dock, visit.playback, shared.classroom)
         lessons = {lesson.number: lesson.header.title for lesson in course().lessons}
-        over_scene = OverScene(bar=visit.client.gui.add_html(""), card=visit.client.gui.add_html(""))
+        bar, card, predictions = (visit.client.gui.add_html("") for _ in range(3))
+        over_scene = OverScene(bar=bar, card=card, predictions=predictions)
         with dock.tabs.add_tab("Class"):
             self._panel = ClassPanel(
                 dock.form,

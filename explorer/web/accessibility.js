@@ -80,7 +80,8 @@
   document.addEventListener('keydown', key => {
     const root = document.documentElement.classList;
     if (key.key !== 'Escape' || !window.rnPage) return;
-    if (root.contains('rn-is-invite')) window.rnPage.act('flag', 'invite');
+    const card = ['invite', 'predictions'].find(flag => root.contains('rn-is-' + flag));
+    if (card) window.rnPage.act('flag', card);
     else if (!root.contains('rn-is-welcomed')) window.rnPage.act('flag', 'welcomed');
   }, true);
 

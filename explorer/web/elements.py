@@ -14,8 +14,9 @@ from typing import Any, Literal
 
 import viser
 
-Kind = Literal["", "rn-slider-", "rn-box-number-", "rn-x-", "rn-box-y-", "rn-box-z-"]
-"""How page.css knows a slider with a box for its number, that box, and the three boxes of a vector."""
+Kind = Literal["", "rn-slider-", "rn-box-number-", "rn-x-", "rn-box-y-", "rn-box-z-", "rn-free-"]
+"""How page.css knows a slider with a box for its number, that box, the three boxes of a vector, and a box that is
+open to a student whose page follows."""
 _kind: ContextVar[Kind] = ContextVar("kind of the elements that are added", default="")
 _gui_api: Any = import_module("viser._gui_api")
 _random_id = _gui_api._make_uuid

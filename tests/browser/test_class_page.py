@@ -90,7 +90,7 @@ def test_a_class_follows_breaks_away_comes_back_and_ends(room: Room):
     room.shares(WEIGHT, late)
     weight = teacher.number(WEIGHT)
     teacher.tab("Class")
-    teacher.press("Release")
+    teacher.press("Release all")
     teacher.press("End the presentation")
     for tab in (student, late):
         tab.wait_for_no_text("You follow the teacher")

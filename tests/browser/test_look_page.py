@@ -77,6 +77,8 @@ ROWS_OF_TABS = """() => new Set([...document.querySelectorAll('[data-dock-region
 LEAST = 18.0
 """px: at 6 m from a projector's picture of 2 m, an arc of 10 minutes."""
 CONTROLS = "[data-dock-region=right]"
+OF_COLOURS = ("color-contrast", "link-in-text-block")
+"""Rules of axe that a dark page may break and a light one obeys."""
 TABS = ("Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Studies", "Export")
 
 
@@ -115,6 +117,8 @@ def test_every_text_in_big_type_can_be_read_from_the_back_of_a_room(
         if scheme == "light":
             assert broken(page, CONTROLS, but=("color-contrast",)) == set(), tab  # `is_legible` has measured it
             assert page.evaluate(UNREACHED) == [], tab
+        else:
+            assert broken(page, CONTROLS, only=OF_COLOURS) == set(), tab
     assert page.evaluate(ROWS_OF_TABS) == 1
     assert page.evaluate("window.rnLabels") >= 2  # the labels' letters and their ground follow the page's colours
     projected.press("All answers")

@@ -149,7 +149,7 @@ def test_frozen_pages_cannot_leave_and_get_their_work_back(one_class: Class) -> 
         before = form.actions_run
         student.press_own(name)
         student.wait_for(lambda before=before: form.actions_run > before, name)
-    one_class.teacher.press("Release")
+    one_class.teacher.press("Release all")
     student.wait_for_text("You follow the teacher")
     student.press_own("class-back")
     student.wait_for_text("The teacher presents")
@@ -211,7 +211,15 @@ def test_what_is_sent_to_all_is_one_step_and_a_lesson_is_opened_for_all(one_clas
     one_class.teacher.press("Open it for all")
     student.wait_for_text("Planar is not enough")
     one_class.teacher.wait_for_text("<td")
-    one_class.teacher.wait_for(lambda: "Planar is not enough, 1" in one_class.teacher.text(), "where the student is")
+    one_class.teacher.wait_for(lambda: "Planar is not enough, 1 / " in one_class.teacher.text(), "where the student is")
+    one_class.teacher.press("Keep the answers back")
+    one_class.teacher.wait_for(lambda: one_class.sessions.shared.classroom.state.answers_wait, "the answers to wait")
+    for name in ("lesson-next", "lesson-next", "lesson-predict-1"):
+        student.press_own(name)
+    student.wait_for_text("when your teacher shows the answer")
+    one_class.teacher.wait_for_text("1 of 1 have predicted")
+    one_class.teacher.press("Show the answers to all")
+    student.wait_for_text("What came is shown after the task")
 
 
 def test_who_is_sent_out_has_left_and_the_end_of_the_class_forgets_all(one_class: Class) -> None:

@@ -26,7 +26,7 @@ OUT_HINT = "Disconnects this student's tabs. Make a new code, too, or the studen
 PRESENT_HINT = "Every student's page follows yours: settings, time, camera, the control moved last. Their work waits."
 FREEZE_HINT = "Nobody can leave your presentation until you release it."
 SEND_HINT = "Opens on every student's page what yours shows, as a step that undo takes back."
-PRESENT, PRESENTED, FREEZE, RELEASE = "Present my page", "End the presentation", "Eyes on me", "Release"
+PRESENT, PRESENTED, FREEZE, RELEASE = "Present my page", "End the presentation", "Eyes on me", "Release all"
 INVITATION = (
     '<div style="padding:0 .9em .5em;text-align:center">'
     '<div style="font:700 2.4em/1.3 ui-monospace,monospace;letter-spacing:.08em">{code}</div>'
@@ -74,6 +74,8 @@ class OverScene:
     """Says that the page is presented."""
     card: viser.GuiHtmlHandle
     """The code and the QR code for the projector."""
+    predictions: viser.GuiHtmlHandle
+    """The predictions in the chosen lesson for the projector."""
 
 
 class ClassPanel:
@@ -103,8 +105,9 @@ class ClassPanel:
             self._present = form.button(PRESENT, self._toggle_presentation, hint=PRESENT_HINT)
             self._freeze = form.button(FREEZE, self._toggle_freeze, hint=FREEZE_HINT, quiet=True)
             form.button("Send what I see to all", self._send_state, hint=SEND_HINT, quiet=True)
-        self._board = BoardPanel(form, classroom, lessons, self._open_lesson, actions.send)
-        self._removal = Section(form, "Send out", expanded=False)
+        self._board = BoardPanel(form, classroom, lessons, self._open_lesson, actions.send, over_scene.predictions)
+        with self._board.students:
+            self._removal = Section(form, "Send out", expanded=False)
         with self._removal:
             self._out = Section(form)
         with Section(form):
@@ -143,6 +146,9 @@ class ClassPanel:
                 button.label = label
 
     def _presents(self, students: int) -> str:
+        if self._classroom.state.frozen:
+            count = "Eyes on you: nobody can leave."
+            return PRESENTS.format(said=spoken("class", f"You present. {count}"), count=count)
         following = sum(member.following for member in self._classroom.members.values())
         count = "Nobody is on the page yet." if students == 0 else f"{following} of {students} follow."
         return PRESENTS.format(said=spoken("class", f"You present. {count}"), count=count)

@@ -18,13 +18,22 @@ OPEN_HINT = (
     "Opens it on every student's page, also on those of students who come later, and ends a presentation. Leaving it "
     "gives back their work."
 )
+HOLD_HINT = (
+    "No student's page goes on from a prediction to what answers it, until you show the answers: first discuss the "
+    "predictions."
+)
+HOLD, SHOW = "Keep the answers back", "Show the answers to all"
 CSV_HINT = "Names, predictions and passed lessons, for a spreadsheet. Nothing of it is kept when the class ends."
 HEAD = ("student", "is at", "passed")
-BAR = (
-    '<div style="display:grid;grid-template-columns:1fr 2fr 2em;gap:.5em;align-items:center">'
-    '<span>{}</span><progress max="{}" value="{}" style="width:100%"></progress><b>{}</b></div>'
+BAR = '<span>{}</span><progress max="{}" value="{}" aria-label="{}"></progress><b>{}</b>'
+BARS = '<p>{}</p><div class="rn-bars">{}</div>'
+LARGER = '<button type="button" class="rn-button" data-rn-flag="predictions">Show the predictions large</button>'
+CARD = (
+    '<div class="rn-card rn-predictions" role="dialog" aria-label="The predictions of the class">'
+    '<button type="button" class="rn-button" data-rn-flag="predictions" aria-label="Close">✕</button>'
+    "<h2>{}</h2>{}</div>"
 )
-NOBODY, NOTHING = "No student is on the page yet.", "Nobody has committed a prediction in this lesson yet."
+NOBODY = "No student is on the page yet."
 
 
 class OpensLesson(Protocol):
@@ -34,31 +43,46 @@ class OpensLesson(Protocol):
 
 
 class BoardPanel:
-    """A table of students, the predictions in one lesson, and two buttons."""
+    """A table of students, the predictions in one lesson, and the buttons of a lesson."""
 
     def __init__(
-        self, form: Form, classroom: Classroom, lessons: Mapping[int, str], open_lesson: OpensLesson, send: Send
+        self,
+        form: Form,
+        classroom: Classroom,
+        lessons: Mapping[int, str],
+        open_lesson: OpensLesson,
+        send: Send,
+        card: viser.GuiHtmlHandle,
     ) -> None:
-        """lessons: titles by numbers."""
+        """lessons: titles by numbers. card: the predictions for the projector, outside all tabs."""
         self._classroom, self._lessons, self._open, self._send = classroom, lessons, open_lesson, send
-        self._section = Section(form, "On the page")
-        with self._section:
+        self._card = card
+        self.students = Section(form, "On the page")
+        """The section of the students."""
+        with self.students:
             self._table = form.gui.add_html("")
         section = Section(form, "Lessons")
         with section:
             labels = {number: f"{number} · {title}" for number, title in lessons.items()}
             self._lesson = Choice(section, "lesson", labels, hint=LESSON_HINT)
             form.button("Open it for all", self._open_for_all, hint=OPEN_HINT)
+            self._hold = form.button(HOLD, self._toggle_hold, hint=HOLD_HINT, quiet=True)
             self._predictions = form.gui.add_html("")
             form.button("Results as CSV", self._download, hint=CSV_HINT, quiet=True)
 
     def draw(self, inside: Mapping[int, int], places: int) -> None:
         """Show the students. inside: how many tabs each has open, by the visitor's number."""
         members = self._classroom.members
-        self._section.caption(f"On the page: {len(inside)} of {places} places")
+        self.students.caption(f"On the page: {len(inside)} of {places} places")
         rows = [self._row(member, inside.get(number, 0)) for number, member in members.items()]
         _show(self._table, NOTE.format(table(HEAD, rows) if rows else NOBODY))
-        _show(self._predictions, NOTE.format(self._histogram(members)))
+        label = SHOW if self._classroom.state.answers_wait else HOLD
+        if label != self._hold.label:
+            self._hold.label = label
+        title = self._lessons[self.lesson]
+        bars = _bars(histogram(members, title), len(members))
+        _show(self._predictions, NOTE.format(bars + LARGER))
+        _show(self._card, CARD.format(html.escape(title), bars))
 
     @property
     def lesson(self) -> int:
@@ -66,22 +90,31 @@ class BoardPanel:
         return self._lesson.read()
 
     def _row(self, member: Member, tabs: int) -> tuple[str, ...]:
-        where = f"{member.lesson}, {member.screen + 1}" if member.lesson else "the course" if tabs else "away"
-        where = "your page" if member.following and tabs else where
-        return member.name, where, f"{len(member.passed)} of {len(self._lessons)}"
-
-    def _histogram(self, members: Mapping[int, Member]) -> str:
-        counted = histogram(members, self._lessons[self.lesson])
-        if not counted:
-            return NOTHING
-        most = max(counted.values())
-        return "".join(BAR.format(html.escape(answer), most, count, count) for answer, count in counted.items())
+        return member.name, _place(member) if tabs else "away", f"{len(member.passed)} of {len(self._lessons)}"
 
     def _open_for_all(self) -> None:
         self._open(self.lesson)
 
+    def _toggle_hold(self) -> None:
+        self._classroom.hold_answers(not self._classroom.state.answers_wait)
+
     def _download(self) -> None:
         self._send("class.csv", results(self._classroom.members, self._lessons))
+
+
+def _place(member: Member) -> str:
+    """Where a student's page is."""
+    if member.following or member.copies:
+        return "your page" if member.following else "a copy of your page"
+    return f"{member.lesson}, {member.screen + 1} / {member.screens}" if member.lesson else "own work"
+
+
+def _bars(counted: Mapping[str, int], students: int) -> str:
+    """A bar for each prediction, and how many of the students have committed one."""
+    most = max(counted.values(), default=0)
+    escaped = {html.escape(prediction): count for prediction, count in counted.items()}
+    bars = [BAR.format(prediction, most, count, prediction, count) for prediction, count in escaped.items()]
+    return BARS.format(f"{sum(counted.values())} of {students} have predicted.", "".join(bars))
 
 
 def _show(handle: viser.GuiHtmlHandle, content: str) -> None:

@@ -7,10 +7,12 @@ import viser
 from explorer.model.classroom import chosen_name
 from explorer.web.accessibility import spoken
 from explorer.web.connection import run_script
+from explorer.web.elements import of_kind
 from explorer.widgets.controls import Text
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
 
+NAME = "your name in the class"
 NAME_HINT = "Only your teacher sees it, with where you are in the lessons and what you predicted, until the class ends."
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="class-{}">{}</button>'
 BAR = '<div class="rn-class" {}><span>{}</span>{}</div>'
@@ -44,7 +46,8 @@ class StudentPanel:
         self._held = False
         section = Section(form, "You in this class")
         with section:
-            self._name = Text(section, "your name in the class", hint=NAME_HINT, longest=MAX_TYPED)
+            with of_kind("rn-free-"):
+                self._name = Text(section, NAME, hint=NAME_HINT, longest=MAX_TYPED)
             self._name.show(name)
             section.check(self._chosen)
 

@@ -81,9 +81,9 @@ class LearnPanel:
         return self._opened.learning
 
     @property
-    def waits_for_prediction(self) -> bool:
-        """Whether a lesson is open whose prediction is not committed yet: nothing may answer it."""
-        return self._opened.waits_for_prediction
+    def keeps_answer(self) -> bool:
+        """Whether a lesson is open whose prediction is not committed yet, or waits for the class."""
+        return self._opened.keeps_answer
 
     @property
     def content(self) -> str:
@@ -227,7 +227,7 @@ class LearnPanel:
 
     def _demonstrate(self) -> None:
         lesson = self.lesson
-        if lesson is not None and not self.waits_for_prediction:
+        if lesson is not None and not self.keeps_answer:
             self._show.begin(demonstration.steps(self._page.read(), lesson.solved.settings), time.monotonic())
             self._said = self._end_of_show(lesson) if self._show.ended else ""
             self._draw()
@@ -246,6 +246,12 @@ class LearnPanel:
         """Give this visitor neither answers nor worksheet: a student of a class."""
         self._teacher = None
         self._draw()
+
+    def hold_answer(self, wait: bool) -> None:
+        """Have a committed prediction wait until the teacher of a class shows its answer to all, or go on."""
+        if wait != self._opened.answer_waits:
+            self._opened.answer_waits = wait
+            self._draw()
 
     def _give_answers(self) -> None:
         if self._teacher is not None:

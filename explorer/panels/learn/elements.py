@@ -53,6 +53,7 @@ class Elements:
                 read=figures.read,
                 outcome=judge.outcome,
                 said=said,
+                waits=where.answer_waits,
                 last=where.following is None,
             )
             content = markup.screen(lesson, shown)

@@ -25,6 +25,7 @@ INTRODUCTION = (
 DECADES, NOT_YET = 3.0, 0.9
 """So many decades from the goal the bar of a logarithmic metric is empty; and what it shows at most while something
 else is missing."""
+WAITS = "The lesson goes on when your teacher shows the answer to all."
 HINT_NAMES = ("a hint", "another hint", "the last hint")
 
 
@@ -40,6 +41,8 @@ class Shown:
     """The check of what is on the page; None until it has been computed."""
     said: str = ""
     """What "show me" is doing, or why a prediction was not taken."""
+    waits: bool = False
+    """Whether the teacher of a class shows the answer to a committed prediction to all at once, later."""
     last: bool = False
     """Whether it is the last lesson of the course."""
 
@@ -90,7 +93,8 @@ def screen(lesson: Lesson, shown: Shown) -> str:
         f"{button('leave', 'leave')}</div>"
     )
     bar = f'<progress max="{count}" value="{k + 1}" aria-label="screen {k + 1} of {count}"></progress>'
-    waits = page.kind == "prediction" and PREDICTION not in answers_of(shown.learning, lesson.name)
+    committed = PREDICTION in answers_of(shown.learning, lesson.name)
+    waits = page.kind == "prediction" and (shown.waits or not committed)
     last = k == count - 1
     done = page.kind != "task" or (shown.outcome is not None and shown.outcome.passed)
     onward = (
@@ -100,7 +104,7 @@ def screen(lesson: Lesson, shown: Shown) -> str:
     )
     back = button("back", "‹ Back", disabled=k == 0)
     foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {count}</span>{onward}</div>'
-    before = "" if PREDICTION in answers_of(shown.learning, lesson.name) else " rn-before"
+    before = " rn-before" if waits or not committed else ""
     said = spoken("lesson", f"Lesson {lesson.number}, screen {k + 1} of {count}: {page.heading}.")
     heading = f"<h2>{html.escape(page.heading)}</h2>"
     return f'<div class="rn-lesson{before}" {said}>{head}{bar}{heading}{body}{foot}</div>'
@@ -124,7 +128,8 @@ def _prediction(lesson: Lesson, page: Screen, shown: Shown) -> str:
     asked, given = lesson.header.prediction, answers_of(shown.learning, lesson.name).get(PREDICTION)
     body = f"<p>{html.escape(text.filled(asked.question, shown.states, shown.read))}</p>"
     if given is not None:
-        return f"{body}<p>You predicted: <b>{html.escape(given)}</b>. What came is shown after the task.</p>"
+        follows = WAITS if shown.waits else "What came is shown after the task."
+        return f'{body}<p role="status">You predicted: <b>{html.escape(given)}</b>. {follows}</p>'
     choices = "".join(f"<li>{button(f'predict-{k}', choice)}</li>" for k, choice in enumerate(asked.choices, start=1))
     asks = f'<ul class="rn-lesson-choices">{choices}</ul>' if choices else "<p>Type a number below.</p>"
     return f"{body}{asks}{_status(shown.said)}"

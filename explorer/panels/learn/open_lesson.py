@@ -18,6 +18,8 @@ class OpenLesson:
     def __init__(self, course: Course) -> None:
         self.course = course
         self.learning = Learning()
+        self.answer_waits = False
+        """Whether the teacher of a class shows the answer to a committed prediction to all at once, later."""
 
     @property
     def lesson(self) -> Lesson | None:
@@ -48,6 +50,12 @@ class OpenLesson:
         return self.lesson is not None and PREDICTION not in self.answers
 
     @property
+    def keeps_answer(self) -> bool:
+        """Whether nothing may answer the question of the open lesson: its prediction is not committed yet, or waits for
+        the class."""
+        return self.waits_for_prediction or (self.kind == "prediction" and self.answer_waits)
+
+    @property
     def asks_now(self) -> bool:
         """Whether the open screen asks for the prediction."""
         return self.kind == "prediction" and self.waits_for_prediction
@@ -71,9 +79,10 @@ class OpenLesson:
             self.learning = msgspec.structs.replace(learning, screen=min(learning.screen, first))
 
     def turn(self, by: int) -> bool:
-        """Go so many screens on, or back, but not beyond a prediction that is asked for. Returns whether it went."""
+        """Go so many screens on, or back, but not beyond a prediction that is asked for, or that waits for the class. Returns whether
+        it went."""
         lesson = self.lesson
-        if lesson is None or (by > 0 and self.asks_now):
+        if lesson is None or (by > 0 and self.kind == "prediction" and self.keeps_answer):
             return False
         _, k, count = screens.shown(lesson, self.learning.screen)
         self.learning = msgspec.structs.replace(self.learning, screen=min(max(k + by, 0), count - 1))

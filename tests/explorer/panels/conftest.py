@@ -36,15 +36,27 @@ def _nowhere(label: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def client() -> Iterator[viser.ClientHandle]:
-    """A connected client of a server of the module's own."""
+def connection() -> Iterator[tuple[Wire, viser.ClientHandle]]:
+    """A visitor without a browser, and the client that a server of the module's own has for it."""
     server = open_server("127.0.0.1", 0)
     visitor = Wire(server.get_port())
     visitor.wait_for(server.get_clients, "the connection")
     (connected,) = server.get_clients().values()
-    yield connected
+    yield visitor, connected
     visitor.close()
     server.stop()
+
+
+@pytest.fixture(scope="module")
+def visitor(connection: tuple[Wire, viser.ClientHandle]) -> Wire:
+    """Who is connected."""
+    return connection[0]
+
+
+@pytest.fixture(scope="module")
+def client(connection: tuple[Wire, viser.ClientHandle]) -> viser.ClientHandle:
+    """A connected client."""
+    return connection[1]
 
 
 @pytest.fixture(scope="module")

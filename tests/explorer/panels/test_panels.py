@@ -3,6 +3,7 @@
 import dataclasses
 import html
 import math
+import threading
 import time
 from queue import Queue
 from typing import Any
@@ -37,6 +38,7 @@ from rangenav.signals import Formula, Multisine, Tone
 from rangenav.vehicle import FREE
 from tests.support.page_settings import EVERYTHING, SHIPPED
 from tests.support.refreshed import refreshed
+from tests.support.wire import Wire
 
 pytestmark = pytest.mark.slow
 
@@ -174,14 +176,26 @@ def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: 
     assert dial.read() == pytest.approx(math.pi / 4, rel=1e-15)
 
 
-def test_a_control_that_the_page_itself_has_written_has_not_been_moved(client: viser.ClientHandle):
-    form = Form(client.gui, _nothing)
-    dial = LogDial(Section(form), "n", (1e-3, 10.0), hint="")
+def test_a_control_has_been_moved_by_its_visitor_and_not_by_the_page(client: viser.ClientHandle, visitor: Wire):
+    woken = threading.Event()
+    form = Form(client.gui, woken.set)
+    first, second = (LogDial(Section(form), label, (1e-3, 10.0), hint="") for label in ("first moved", "second moved"))
     form.refresh()
-    assert form._last is None
-    dial.handle.value = 0.5
+    first.handle.value = 0.5
+    second.show(3.0)
     form.refresh()
-    assert form._last is None
+    assert form.last_moved == ""
+    visitor.wait_for(lambda: any(p.get("label") == second.name for p in list(visitor.elements.values())), "the sliders")
+    for dial in (first, second):
+        woken.clear()
+        visitor.set(dial.name, -1.0)
+        assert woken.wait(10.0)
+        form.refresh()
+        assert dial.read() == pytest.approx(0.1, rel=1e-15)
+        assert form.last_moved == dial.name
+    first.handle.value = 0.5
+    form.refresh()
+    assert form.last_moved == second.name
 
 
 def test_a_log_dial_holds_zero_at_its_left_end(section: Section):

@@ -70,6 +70,20 @@ def test_the_prediction_comes_before_what_follows_it_and_is_committed_once(learn
     assert f"You predicted: <b>{lesson.header.prediction.choices[0]}</b>" in learning.learn.content
 
 
+def test_a_committed_prediction_waits_while_the_class_discusses_it(learning: Dock):
+    learning.learn.hold_answer(True)
+    learning.learn.open(COURSE.lessons[0])
+    predict(learning)
+    assert "when your teacher shows the answer" in learning.learn.content
+    assert "rn-before" in learning.learn.content
+    learning.learn.actions["lesson-next"]()  # a browser may send what its page does not offer
+    assert learning.learn.keeps_answer
+    learning.learn.hold_answer(False)
+    learning.learn.actions["lesson-next"]()
+    assert "Your prediction" not in learning.learn.content
+    assert not learning.learn.keeps_answer
+
+
 def predict(dock: Dock) -> None:
     """Go on to the prediction of the open lesson, and commit one."""
     while "Your prediction" not in dock.learn.content:
@@ -81,7 +95,7 @@ def predict(dock: Dock) -> None:
 def test_saved_work_does_not_lead_beyond_a_prediction_that_is_missing(learning: Dock):
     learning.learn.restore(Learning(lesson=COURSE.lessons[0].name, screen=6))
     assert "Your prediction" in learning.learn.content
-    assert learning.learn.waits_for_prediction
+    assert learning.learn.keeps_answer
 
 
 @pytest.mark.parametrize("lesson", COURSE.lessons, ids=lambda lesson: lesson.name)
