@@ -1,6 +1,7 @@
 """The settings that a visitor has chosen one after the other, for undo and redo.
 
-Changes of the same control that follow each other within a moment are one step.
+Changes of the same control that follow each other within a moment are one step. A step holds only the parts that it
+changes; the others are those of the step before it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -61,7 +62,7 @@ class History:
         else:
             self._parts = parts
         self._drag = None if separate else drag
-        self._past.append(settings)
+        self._past.append(sharing(settings, self.now))
         del self._past[:-MAX_STEPS]
         self._future.clear()
         self._changed_at = float("-inf") if separate else time if shown is None else shown
@@ -94,6 +95,17 @@ class History:
     def _break(self) -> None:
         """Make the next settings a step of their own, also while a handle is held."""
         self._changed_at, self._drag = float("-inf"), None
+
+
+def sharing(after: Any, before: Any) -> Any:
+    """The same value, in which each table or vector that is equal to the earlier value's is that one itself."""
+    if after == before:
+        return before
+    inner = list(_inner(before, after))
+    parts = {name: sharing(b, a) for name, a, b in inner if isinstance(b, msgspec.Struct | tuple)}
+    if isinstance(after, tuple):
+        return tuple(parts.get(str(k), entry) for k, entry in enumerate(after))
+    return msgspec.structs.replace(after, **parts) if parts else after
 
 
 def differing(before: Any, after: Any, where: str = "") -> Iterator[str]:

@@ -214,8 +214,10 @@ def test_what_is_sent_to_all_is_one_step_and_a_lesson_is_opened_for_all(one_clas
     one_class.teacher.wait_for(lambda: "Planar is not enough, 1 / " in one_class.teacher.text(), "where the student is")
     one_class.teacher.press("Keep the answers back")
     one_class.teacher.wait_for(lambda: one_class.sessions.shared.classroom.state.answers_wait, "the answers to wait")
-    for name in ("lesson-next", "lesson-next", "lesson-predict-1"):
-        student.press_own(name)
+    student.press_own("lesson-next")
+    student.wait_for_text("Your prediction")
+    student.set("your prediction", "13")
+    student.press("Commit")
     student.wait_for_text("when your teacher shows the answer")
     one_class.teacher.wait_for_text("1 of 1 have predicted")
     one_class.teacher.press("Show the answers to all")

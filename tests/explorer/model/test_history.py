@@ -30,6 +30,26 @@ def test_undo_goes_back_through_every_step_and_redo_forward_again(scales: list[f
     assert history.redo() is None
 
 
+def test_a_step_holds_no_copies_of_what_it_does_not_change():
+    copy = msgspec.convert(msgspec.to_builtins(SLOW), Settings)
+    path = copy.preset.path
+    assert isinstance(path, Multisine)
+    assert isinstance(SLOW.preset.path, Multisine)
+    first, *others = path.tones
+    path = msgspec.structs.replace(path, tones=(msgspec.structs.replace(first, phase=1.0), *others))
+    after = msgspec.structs.replace(copy, preset=msgspec.structs.replace(copy.preset, path=path))
+    history = History()
+    history.record(SLOW, 0.0)
+    history.record(after, 10.0)
+    kept = history.now
+    assert kept is not None
+    assert kept == after
+    assert isinstance(kept.preset.path, Multisine)
+    assert kept.preset.path.tones[1] is SLOW.preset.path.tones[1]
+    for part in ("world", "gains", "sensors", "guess", "angular_velocity"):
+        assert getattr(kept.preset, part) is getattr(SLOW.preset, part) is not getattr(after.preset, part), part
+
+
 def test_what_follows_within_a_moment_is_one_step_but_never_the_beginning():
     history = History()
     history.record(_at(1.0), 0.0)
