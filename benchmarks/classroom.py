@@ -7,13 +7,16 @@ printed beside. With `--chromium` two real tabs play instead: how often they dra
 Memory is what the process has for itself (private pages). A process loads once what all visitors share: libraries, the
 kernels of all estimators, the first picture of the preset. The first visitor therefore plays and drags before the
 memory of one visitor is read, and a visitor costs what the process grows by for each further one. While all drag, the
-memory is read every minute.
+arrays of pictures that are being computed come and go, some MB at each moment: the memory of a minute is the median of
+its last ten seconds, in which each visitor drags once. The growth is that from the end of the warm-up to the end.
 """
 
 import argparse
 import asyncio
+import math
 import os
 import random
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -33,6 +36,8 @@ EVENTS, DRAG, EVERY = 10, 1.0, 10.0
 """Events of a drag, its length (s), and the time from one drag of a visitor to the next (s)."""
 QUIET = 10.0
 """s over which nobody moves, and then over which all play and nobody drags."""
+SAMPLE = 0.5
+"""s between two readings of the memory."""
 SETTLING = 12.0
 """s for the proofs of the first pictures and for the estimators to be compiled."""
 WINDOW = 1366, 768
@@ -137,12 +142,16 @@ async def _warm_up(visitor: Visitor) -> None:
     await asyncio.sleep(SETTLING)
 
 
-async def _every_minute(room: Class, minutes: float) -> list[float]:
-    """MB after each minute."""
-    memory: list[float] = []
-    for _ in range(int(minutes)):
-        await asyncio.sleep(60.0)
-        memory.append(room.memory)
+async def _by_minutes(room: Class, minutes: float) -> list[float]:
+    """MB of each minute, the last one included if it is a part of one."""
+    began, memory = time.monotonic(), list[float]()
+    for minute in range(1, math.ceil(minutes) + 1):
+        end, samples = began + 60 * min(minute, minutes), list[float]()
+        await asyncio.sleep(max(0.0, end - EVERY - time.monotonic()))
+        while time.monotonic() < end or not samples:
+            samples.append(room.memory)
+            await asyncio.sleep(SAMPLE)
+        memory.append(statistics.median(samples))
     return memory
 
 
@@ -161,15 +170,15 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
     chance = random.Random(1)
     length = 60 * (minutes + warm_up)
     drags = [asyncio.create_task(_work(visitor, length, chance)) for visitor in room.visitors]
+    sampler = asyncio.create_task(_by_minutes(room, warm_up + minutes))
     await asyncio.sleep(60 * warm_up)
-    warm = room.memory
     for visitor in room.visitors:
         visitor.waits.clear()
-    sampler = asyncio.create_task(_every_minute(room, minutes))
     working = await room.over(60 * minutes)
     by_minutes = await sampler
+    warm, end = by_minutes[max(round(warm_up) - 1, 0)], by_minutes[-1]
     await asyncio.gather(*drags)
-    end, errors = room.memory, room.errors()
+    errors = room.errors()
     for visitor in room.visitors:
         await visitor.leave()
     closed = [visitor.closed for visitor in room.visitors if visitor.closed]
@@ -200,7 +209,7 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
             f"from event to picture: p50 {p50:.0f} ms, p95 {p95:.0f} ms, max {worst:.0f} ms of {len(waits)} events",
             f"{pictures} pictures; errors {errors}, events without an answer {lost}, connections closed {closed}",
             f"memory in MB: {alone:.0f} with one visitor, {joined:.0f} with all, {warm:.0f} warm, {end:.0f} at the end",
-            f"memory in MB after each minute of dragging: {' '.join(f'{one:.0f}' for one in by_minutes)}",
+            f"memory in MB in each minute of dragging, the warm-up included: {' '.join(f'{one:.0f}' for one in by_minutes)}",
         ],
         figures={
             "visitors": count,

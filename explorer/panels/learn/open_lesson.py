@@ -79,8 +79,9 @@ class OpenLesson:
             self.learning = msgspec.structs.replace(learning, screen=min(learning.screen, first))
 
     def turn(self, by: int) -> bool:
-        """Go so many screens on, or back, but not beyond a prediction that is asked for, or that waits for the class. Returns whether
-        it went."""
+        """Go so many screens on, or back, but not beyond a prediction that is asked for, or that waits for the class.
+
+        Returns whether it went."""
         lesson = self.lesson
         if lesson is None or (by > 0 and self.kind == "prediction" and self.keeps_answer):
             return False
