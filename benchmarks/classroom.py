@@ -186,6 +186,7 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
     lost = sum(visitor.lost for visitor in room.visitors)
     pictures = sum(visitor.pictures for visitor in room.visitors)
     p50, p95, worst = (float(one) for one in np.percentile(waits, (50, 95, 100)))
+    minutes_shown = " ".join(f"{one:.0f}" for one in by_minutes)
     each = (joined - alone) / max(count - 1, 1)
     report(
         "classroom",
@@ -209,7 +210,7 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
             f"from event to picture: p50 {p50:.0f} ms, p95 {p95:.0f} ms, max {worst:.0f} ms of {len(waits)} events",
             f"{pictures} pictures; errors {errors}, events without an answer {lost}, connections closed {closed}",
             f"memory in MB: {alone:.0f} with one visitor, {joined:.0f} with all, {warm:.0f} warm, {end:.0f} at the end",
-            f"memory in MB in each minute of dragging, the warm-up included: {' '.join(f'{one:.0f}' for one in by_minutes)}",
+            f"memory in MB in each minute of dragging, from the warm-up on: {minutes_shown}",
         ],
         figures={
             "visitors": count,
