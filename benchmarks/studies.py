@@ -1,8 +1,12 @@
 """Studies on dask, compared with an ensemble in threads and with a plain loop in a multiprocessing pool.
 
     python benchmarks/studies.py            runs per second of each, efficiency of two workers, overhead, bytes per run
-    python benchmarks/studies.py --long     also 10⁵ empty tasks through the scheduler, and memory over 10⁵ runs
-All make runs of paper-slow, 20 s at 200 Hz. Two workers need two free cores: figures from a busy machine mean nothing.
+    python benchmarks/studies.py --long     10⁵ empty tasks through the scheduler, and memory over 10⁵ runs
+All make runs of paper-slow, 20 s at 200 Hz, in parts as `study run` divides the study.
+
+    overhead = 1 − CPU time of the points / (workers · wall time from making the store to the last receipt)
+The CPU time is of the threads that compute, as each part's receipt has it, and the workers are there before. The start
+of a study is a row of its own. Two workers need two free cores: figures from a busy machine mean nothing.
 """
 
 import argparse
@@ -20,13 +24,15 @@ import psutil
 from timing import Target, report, versions
 
 from rangenav import ensemble, preset, record
-from rangenav.studies import blocks, cluster, creation, running, store, study
+from rangenav.studies import blocks, cluster, creation, plan, running, store, study
 from rangenav.studies.parameters import Linear
 from rangenav.studies.study_file import StudyFile
 
 WORKERS = 2
-POINTS, RUNS, PART = 160, 40, 10
-"""6400 runs of 4.3 ms: 28 s of work, in parts of 1.7 s."""
+POINTS, RUNS = 1000, 40
+"""40,000 runs of 5 ms: 200 s of work, in parts of some five seconds."""
+FEWER = 300
+"""Points for one worker, in parts of the same size."""
 PEER_RUNS = 400
 ROUNDS = 3
 LONG_POINTS = 2500
@@ -34,69 +40,71 @@ LONG_POINTS = 2500
 EMPTY = 100_000
 AT_ONCE = 1000
 """Empty tasks that the scheduler holds."""
+Figures = tuple[list[tuple[str, str]], list[Target], dict[str, Any]]
 
 
 def main() -> None:
     """Time everything and report."""
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--long", action="store_true", help="10⁵ empty tasks and 10⁵ runs: some ten minutes")
+    arguments.add_argument("--long", action="store_true", help="10⁵ empty tasks and 10⁵ runs: some eight minutes")
     long = arguments.parse_args().long
-    rows, figures, targets = [], {}, []
-    with tempfile.TemporaryDirectory() as folder, workers(1) as one, workers(WORKERS) as two:
-        _study(Path(folder) / "warm.zarr", two, points=WORKERS)
-        _study(Path(folder) / "warm1.zarr", one, points=1)
-        times: dict[str, list[float]] = {"one": [], "two": [], "ensemble": [], "pool": []}
-        overheads, others, sizes = [], [], []
-        for k in range(ROUNDS):
-            before = _cpu()
-            times["two"].append(_timed(_study, Path(folder) / f"two{k}.zarr", two))
-            others.append(1 - _seconds(Path(folder) / f"two{k}.zarr") / (_cpu() - before))
-            overheads.append(1 - _seconds(Path(folder) / f"two{k}.zarr") / (WORKERS * times["two"][-1]))
-            sizes.append(_bytes(Path(folder) / f"two{k}.zarr") / (POINTS * RUNS))
-            times["one"].append(_timed(_study, Path(folder) / f"one{k}.zarr", one))
-            times["ensemble"].append(_timed(ensemble.seeds, preset.load("paper-slow"), PEER_RUNS))
-            times["pool"].append(_timed_pool())
-        median = {name: statistics.median(values) for name, values in times.items()}
-        rates = {
-            "study, 2 workers": POINTS * RUNS / median["two"],
-            "study, 1 worker": POINTS * RUNS / median["one"],
-            "ensemble.seeds, threads": PEER_RUNS / median["ensemble"],
-            "multiprocessing pool, 2 processes": PEER_RUNS / median["pool"],
-        }
-        rows += [(name, f"{rate:.0f} runs/s") for name, rate in rates.items()]
-        efficiency, overhead = median["one"] / (WORKERS * median["two"]), statistics.median(overheads)
-        rows.append(("store", f"{statistics.median(sizes):.0f} bytes per run"))
-        targets += [
-            Target(name="efficiency of 2 workers", value=efficiency, bound=0.9, at_least=True),
-            Target(name="overhead", value=overhead, bound=0.02, at_least=False),
-        ]
-        rows.append(("CPU time that is not of points", f"{100 * statistics.median(others):.1f} %"))
-        figures |= {
-            "cpu_not_of_points": others,
-            "rates": rates,
-            "efficiency": efficiency,
-            "overhead": overhead,
-            "bytes_per_run": sizes,
-        }
-        if long:
-            rate = EMPTY / _timed(_empty_tasks, two)
-            memory = _memory(Path(folder) / "long.zarr", two)
-            rows += [("empty tasks", f"{rate:.0f} tasks/s"), ("memory", f"{memory[0]:.0f} → {memory[-1]:.0f} MB")]
-            growth = memory[-1] / memory[0]
-            targets.append(
-                Target(name="memory after 10⁵ runs / after a tenth", value=growth, bound=1.05, at_least=False)
-            )
-            figures |= {"empty_tasks_per_second": rate, "memory_mb": memory}
+    with tempfile.TemporaryDirectory() as folder:
+        rows, targets, figures = (_long if long else _usual)(Path(folder))
     report(
         "studies",
-        title="Studies beside an ensemble and a plain pool",
+        title="Studies at length" if long else "Studies beside an ensemble and a plain pool",
         columns=("what", "measured"),
         rows=rows,
         targets=targets,
-        notes=[f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}; overhead is the share of the workers' wall time"
-               " that is not CPU time of points"],
+        notes=[f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"],
         figures={**figures, "versions": versions("numpy", "numba", "distributed", "zarr")},
-    )  # fmt: skip
+    )
+
+
+def _usual(folder: Path) -> Figures:
+    began = time.perf_counter()
+    parts = plan.divided(_of(POINTS), plan.cost(_of(POINTS)), workers=WORKERS)
+    with workers(WORKERS) as two:
+        _study(folder / "warm.zarr", two, points=WORKERS, part=1)
+        start, before, path = time.perf_counter() - began, _cpu(), folder / "two.zarr"
+        wall = _timed(_study, path, two, POINTS, parts.chunk[0])
+        computed, used = _seconds(path), _cpu() - before
+    with workers(1) as one:
+        _study(folder / "warm1.zarr", one, points=1, part=1)
+        alone = _timed(_study, folder / "one.zarr", one, FEWER, parts.chunk[0])
+    loop = statistics.median(_timed(ensemble.seeds, preset.load("paper-slow"), PEER_RUNS) for _ in range(ROUNDS))
+    pool = _timed_pool()
+    rates = {
+        "study, 2 workers": POINTS * RUNS / wall,
+        "study, 1 worker": FEWER * RUNS / alone,
+        "ensemble.seeds, threads": PEER_RUNS / loop,
+        "multiprocessing pool, 2 processes": PEER_RUNS / pool,
+    }
+    efficiency = rates["study, 2 workers"] / (WORKERS * rates["study, 1 worker"])
+    overhead, size = 1 - computed / (WORKERS * wall), _bytes(path) / (POINTS * RUNS)
+    rows = [
+        *((name, f"{rate:.0f} runs/s") for name, rate in rates.items()),
+        ("parts", f"{parts.count} of {computed / parts.count:.1f} s"),
+        ("CPU time that is not of points", f"{100 * (1 - computed / used):.1f} %"),
+        ("start: trial, workers, kernels", f"{start:.1f} s"),
+        ("store", f"{size:.0f} bytes per run"),
+    ]
+    targets = [
+        Target(name="efficiency of 2 workers", value=efficiency, bound=0.9, at_least=True),
+        Target(name="overhead", value=overhead, bound=0.02, at_least=False),
+    ]
+    figures = {"rates": rates, "efficiency": efficiency, "overhead": overhead, "bytes_per_run": size, "start": start}
+    return rows, targets, {**figures, "cpu_not_of_points": 1 - computed / used}
+
+
+def _long(folder: Path) -> Figures:
+    with workers(WORKERS) as two:
+        rate = EMPTY / _timed(_empty_tasks, two)
+        memory = _memory(folder / "long.zarr", two)
+    rows = [("empty tasks", f"{rate:.0f} tasks/s"), ("memory", f"{memory[0]:.0f} → {memory[-1]:.0f} MB")]
+    name = "memory after 10⁵ runs / after a tenth"
+    targets = [Target(name=name, value=memory[-1] / memory[0], bound=1.05, at_least=False)]
+    return rows, targets, {"empty_tasks_per_second": rate, "memory_mb": memory}
 
 
 @contextlib.contextmanager
@@ -118,9 +126,9 @@ def _of(points: int) -> study.Study:
     return study.of_file(file, (preset.load("paper-slow"),))
 
 
-def _study(path: Path, client: Any, points: int = POINTS, shown: running.Shown = lambda state: None) -> None:
+def _study(path: Path, client: Any, points: int, part: int, shown: running.Shown = lambda state: None) -> None:
     of = _of(points)
-    creation.created(path, of, blocks.divided(of.shape, PART))
+    creation.created(path, of, blocks.divided(of.shape, part))
     running.run(of, path, client=client, shown=shown)
 
 
@@ -143,7 +151,8 @@ def _timed_pool() -> float:
     context = multiprocessing.get_context("spawn")
     with context.Pool(WORKERS) as pool:
         pool.map(_one, range(WORKERS), chunksize=1)  # so that no timed run waits for imports
-        return _timed(lambda: pool.map(_one, range(PEER_RUNS), chunksize=PEER_RUNS // (4 * WORKERS)))
+        each = PEER_RUNS // (4 * WORKERS)
+        return statistics.median(_timed(pool.map, _one, range(PEER_RUNS), each) for _ in range(ROUNDS))
 
 
 def _one(seed: int) -> float:
@@ -177,7 +186,8 @@ def _memory(path: Path, client: Any) -> list[float]:
             family = [psutil.Process(), *psutil.Process().children(recursive=True)]
             taken[tenth] = sum(one.memory_info().rss for one in family) / 1e6
 
-    _study(path, client, LONG_POINTS, shown)
+    parts = plan.divided(_of(LONG_POINTS), plan.cost(_of(LONG_POINTS)), workers=WORKERS)
+    _study(path, client, LONG_POINTS, parts.chunk[0], shown)
     return [taken[tenth] for tenth in sorted(taken)]
 
 

@@ -12,6 +12,7 @@ from explorer.lessons import teaching
 from explorer.lessons.course import OURS, lessons_in
 from explorer.model import glossary
 from rangenav import formats, record_checks
+from rangenav.studies import metrics
 
 HERE = Path(__file__).parent
 
@@ -36,11 +37,17 @@ def table_of_lessons() -> str:
     return teaching.markdown(lessons_in(OURS).lessons)
 
 
+def table_of_metrics() -> str:
+    """One row for each metric of a study, from the table in `rangenav.studies.metrics`."""
+    return metrics.markdown()
+
+
 PARTS: dict[str, dict[str, Callable[[], str]]] = {
     "formats.md": {"table of formats": table_of_formats},
     "glossary.md": {"glossary": tables_of_terms},
     "teaching.md": {"lessons": table_of_lessons},
     "how-to/judge-my-flight.md": {"table of checks": table_of_checks},
+    "how-to/studies.md": {"table of metrics": table_of_metrics},
 }
 """Page → name of the part → what makes it."""
 

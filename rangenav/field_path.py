@@ -3,7 +3,7 @@
 A number after a dot counts entries from 1, as the page does; the components of a vector are x, y, z: world.anchor.x.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar
 
 import msgspec
@@ -52,6 +52,24 @@ def replaced(of: Kind, values: Mapping[str, float | str], *, below: str = "") ->
         raise ValueError(f"{stated}: {shortened(str(error))}") from None
 
 
+def paths(of: Input) -> Iterator[str]:
+    """The paths of all numbers and words."""
+    yield from _below(_table(of), "")
+
+
+def _below(entry: Any, path: str) -> Iterator[str]:
+    if isinstance(entry, dict):
+        for name, inner in entry.items():
+            yield from _below(inner, f"{path}.{name}" if path else name)
+    elif isinstance(entry, list):
+        for name, inner in zip(
+            COMPONENTS if _vector(entry) else map(str, range(1, len(entry) + 1)), entry, strict=True
+        ):
+            yield from _below(inner, f"{path}.{name}")
+    elif entry is not None and not isinstance(entry, bool):
+        yield path
+
+
 def _table(of: Input) -> Any:
     """Dictionaries, and lists, which take an entry."""
     return msgspec.json.decode(msgspec.json.encode(of))
@@ -74,8 +92,13 @@ def _key(table: Any, part: str, path: str) -> Any:
         return part
     require(isinstance(table, list), f"{path}: nothing lies below {part}")
     index = COMPONENTS.get(part, int(part) - 1 if part.isdecimal() else -1)
-    require(0 <= index < len(table), f"{path}: {part} must lie between 1 and {len(table)}")
+    rule = f"lie between 1 and {len(table)}" + (", or be x, y or z" if _vector(table) else "")
+    require(0 <= index < len(table), f"{path}: {part} must {rule}")
     return index
+
+
+def _vector(table: list[Any]) -> bool:
+    return len(table) == len(COMPONENTS) and not any(isinstance(one, dict | list) for one in table)
 
 
 def _shown(entry: float | str) -> str:

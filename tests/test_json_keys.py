@@ -121,6 +121,8 @@ RUNS: dict[tuple[str, ...], tuple[tuple[object, ...], ...]] = {
         ("study", "run", "study.toml", "-o", "s.zarr", "--workers", 1),
         ("study", "show", "s.zarr"),
         ("study", "export", "s.zarr", "--csv", "s.csv"),
+        ("study", "copy", "study.toml", "-o", "copy.toml"),
+        ("study", "preset", "s.zarr", 0, "-o", "point.toml"),
     ),
     ("tune",): (("tune", "short.toml", "--runs", 2),),
 }

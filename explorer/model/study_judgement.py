@@ -1,12 +1,10 @@
 """How a map is judged and drawn: its requirement, its best cell, its scale of colours, and the contour.
 
-bound_of(metric, preset)      what the metric must not exceed, or must reach
+judged(map, metric, bound)    the best cell, and the shares that meet the bound
 contour                       where log₁₀ of the metric, or the metric, has the value of the bound
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import contourpy
 import numpy as np
@@ -14,33 +12,15 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from explorer.model.study_map import FLYABLE, Cell
-from rangenav.preset import Preset
 from rangenav.studies.maps import StudyMap
-from rangenav.studies.metrics import ROWS
-from rangenav.vehicle import THRUST_MARGIN
+from rangenav.studies.metrics import METRICS, ROWS
+from rangenav.studies.requirements import Bound
 
 DECADES = 4.0
 """Most of a logarithmic scale, from its best end: a blind map reaches 10⁸ m, and the rest would have one colour."""
-MORE_IS_BETTER = frozenset({"mu", "rank", "rank_nonlinear", "observable", "anchor_distance", FLYABLE, "settled"})
-NEITHER = frozenset({"nees"})
 LOGARITHMIC = frozenset({"mu", "sigma_lifted", "sigma_nonlinear", "snap", "nees"}) | {
     row.name for row in ROWS if row.name.startswith(("steady", "peak", "final"))
 }
-
-
-class Bound(NamedTuple):
-    """What a metric must not exceed, or must reach."""
-
-    level: float
-    most: bool
-    """Whether the level is the largest value allowed; else it is the least."""
-    words: str
-    """Where it comes from."""
-
-    def met(self, values: Float[Array, "n m"]) -> Bool[Array, "n m"]:
-        """Whether each value meets it; NaN does not."""
-        with np.errstate(invalid="ignore"):
-            return values <= self.level if self.most else values >= self.level
 
 
 @dataclass(frozen=True)
@@ -53,12 +33,6 @@ class Judged:
     """The share of the computed cells that meet the bound and keep the vehicle's limits; None without a bound."""
     flyable: float | None
     """The share of the computed cells that keep the vehicle's limits; None if that was not computed."""
-
-
-def bound_of(metric: str, preset: Preset) -> Bound | None:
-    """The requirement of a preset, or the limit of its vehicle, that a metric is compared with; None without one."""
-    of = BOUNDS.get(metric)
-    return None if of is None else of(preset)
 
 
 def judged(of: StudyMap, metric: str, bound: Bound | None) -> Judged:
@@ -77,7 +51,7 @@ def shares(of: StudyMap, metric: str) -> tuple[Float[Array, "n m"], tuple[float,
     """Where the values lie on the scale of colours, 0 at its light end and 1 at its dark one, NaN without a value; and
     the values at both ends, None if no value is finite. A value beyond the ends has the colour of the end."""
     values = of.filled(metric)
-    worst = 1.0 if metric in MORE_IS_BETTER else -1.0
+    worst = 1.0 if METRICS[metric].better == "more" else -1.0
     log = _log(metric, values)
     with np.errstate(divide="ignore", invalid="ignore"):
         scaled = np.log10(values) if log else values
@@ -141,45 +115,8 @@ def _best(of: StudyMap, metric: str, good: Bool[Array, "n m"]) -> Cell | None:
     for among in (good, of.computed):
         usable = among & np.isfinite(values)
         if usable.any():
-            away = np.abs(np.log(np.maximum(values, 1e-300))) if metric in NEITHER else values
-            away = -away if metric in MORE_IS_BETTER else away
+            away = np.abs(np.log(np.maximum(values, 1e-300))) if METRICS[metric].better == "neither" else values
+            away = -away if METRICS[metric].better == "more" else away
             i, j = np.unravel_index(int(np.argmin(np.where(usable, away, np.inf))), values.shape)
             return int(i), int(j)
     return None
-
-
-def _required_error(preset: Preset) -> Bound:
-    return Bound(preset.requirement.position_sigma, True, "position error wanted")
-
-
-def _vehicle(name: str, *, most: bool = True, share: float = 1.0) -> Callable[[Preset], Bound | None]:
-    def bound(preset: Preset) -> Bound | None:
-        limit = getattr(preset.vehicle, name)
-        return None if limit is None else Bound(limit * share, most, f"limit of the {preset.vehicle.name}")
-
-    return bound
-
-
-def _yes(words: str) -> Callable[[Preset], Bound]:
-    return lambda _: Bound(0.5, False, words)
-
-
-BOUNDS: Mapping[str, Callable[[Preset], Bound | None]] = {
-    "mu": lambda preset: Bound(preset.requirement.mu, False, "excitation μ wanted"),
-    "sigma_lifted": _required_error,
-    "sigma_nonlinear": _required_error,
-    "steady_position": _required_error,
-    "rank": lambda _: Bound(12.5, False, "all 13 quantities"),
-    "rank_nonlinear": lambda _: Bound(8.5, False, "all 9 quantities"),
-    "observable": _yes("observable"),
-    FLYABLE: _yes("keeps the vehicle's limits"),
-    "settled": _yes("position and attitude settle"),
-    "diverged": lambda _: Bound(0.5, True, "has not diverged"),
-    "speed": _vehicle("speed"),
-    "acceleration": _vehicle("acceleration"),
-    "thrust_to_weight": _vehicle("thrust_to_weight", share=1 / (1 + THRUST_MARGIN)),
-    "body_rate": _vehicle("body_rate"),
-    "snap": _vehicle("snap"),
-    "anchor_distance": _vehicle("anchor_distance_min", most=False),
-}
-"""What each metric is compared with; the others have no requirement."""

@@ -91,6 +91,7 @@ def study_of(settings: Settings, axes: tuple[Axis, Axis], metric: str, runs: int
         parameters=axes,
         runs=runs,
         seed=base.seed,
+        common_seeds=True,
         metrics=metrics_with(metric),
     )
     return study.of_file(chosen, (base,))

@@ -1,8 +1,13 @@
-"""Progress on stderr for what takes longer than a second; only on a terminal."""
+"""Progress on stderr for what takes longer than a second: on a terminal as it goes on, in a log a line now and then.
+
+A log gets lines of a study only, which may take hours: the first one after half a minute, and then the rarer the longer
+it takes.
+"""
 
 import contextlib
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 
 from rich.console import Console
@@ -10,12 +15,19 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 PATIENT = 1.0
 """s: what is done sooner shows no progress."""
+LINE_EVERY, LINES = 30.0, 20
+"""s between two lines of a log; after ten minutes, this share of the time so far."""
 
 
 @contextlib.contextmanager
-def working(task: str) -> Iterator[None]:
-    """Show that a task of unknown length is being worked on."""
+def working(task: str, *, logged: bool = False) -> Iterator[None]:
+    """Show that a task of unknown length is being worked on; `logged`: also in a log, once."""
     console = _terminal()
+    if console is None and logged:
+        with _Log(task) as log:
+            log.say("")
+            yield
+        return
     if console is None:
         yield
         return
@@ -43,16 +55,42 @@ def counting(task: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextlib.contextmanager
-def describing(task: str) -> Iterator[Callable[[float, str], None]]:
-    """The same with a text behind the bar: the function given takes the share that is done, and the text."""
+def describing(task: str) -> Iterator[Callable[[float | None, str], None]]:
+    """The same with a text behind the bar, and in a log: the function given takes the share that is done, None for no
+    other one, and the text."""
     console = _terminal()
     if console is None:
-        yield lambda _share, _words: None
+        with _Log(task) as log:
+            yield lambda _share, words: log.say(words)
         return
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"))
     with Progress(*columns, console=console, transient=True) as bar:
         number = bar.add_task(task, total=1.0, words="")
         yield lambda share, words: bar.update(number, completed=share, words=words)
+
+
+class _Log:
+    """The newest text of a task as a line of stderr, now and then, while it is worked on."""
+
+    def __init__(self, task: str) -> None:
+        self._task, self._words, self._ended = task, "", threading.Event()
+        self._thread = threading.Thread(target=self._write, daemon=True)
+
+    def say(self, words: str) -> None:
+        """The newest text; it is written when the next line is due."""
+        self._words = words
+
+    def __enter__(self) -> "_Log":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+
+    def _write(self) -> None:
+        began = time.monotonic()
+        while not self._ended.wait(max(LINE_EVERY, (time.monotonic() - began) / LINES)):
+            print(": ".join(filter(None, (self._task, self._words))), file=sys.__stderr__, flush=True)
 
 
 def _terminal() -> Console | None:

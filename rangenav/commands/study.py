@@ -5,23 +5,23 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from rangenav.commands import study_files
 from rangenav.commands.output import print_json
 from rangenav.commands.progress import describing, working
+from rangenav.commands.study_files import FileName, StoreName
 from rangenav.inputs import require
 
 if TYPE_CHECKING:
     from rangenav.studies.running import State
 
-FileName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="STUDY")]
-"""A shipped study's name or a path to a TOML file."""
-StoreName = Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="STORE.zarr")]
+TRIAL = "trying a few points; the first time on a machine, kernels compile for a minute"
 STOPPED = 130
 """The exit code of a program that Ctrl+C ended."""
 
@@ -40,8 +40,8 @@ def plan(study: FileName, *, json: bool = False) -> None:
     from rangenav.studies import study as studies
 
     of = studies.load(study)
-    with working("trying a few points"):
-        answer = study_answers.plan_report(of, planning.plan(of), name=study)
+    with working(TRIAL, logged=True):
+        answer = study_answers.plan_report(of, planning.plan(of, workers=os.cpu_count() or 1), name=study)
     return print_json(answer) if json else layout.show(text.planned(answer))
 
 
@@ -76,21 +76,22 @@ def run(
     require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
     require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
     require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")
-    began, last = time.monotonic(), []
-    with describing(f"computing {Path(study).stem}") as show, _stoppable():
+    began, last, count = time.monotonic(), [], workers or os.cpu_count() or 1
+    try:
+        with describing(f"computing {Path(study).stem}") as say:
+            say(0.0, TRIAL)
 
-        def shown(state: "State") -> None:
-            last[:] = [state]
-            show(state.done / state.parts, text.progress(state))
+            def shown(state: "State") -> None:
+                last[:] = [state]
+                say(state.done / state.parts, text.progress(state, of.watched))
 
-        try:
-            count = workers or os.cpu_count() or 1
-            state = running.run(of, path, workers=count, scheduler=scheduler, dashboard=dashboard, shown=shown)
-        except KeyboardInterrupt:
-            logging.getLogger("asyncio").setLevel(logging.CRITICAL)  # dask's connections end in the middle of a task
-            kept = running.kept(path, last[0].parts) if last else "nothing was computed yet"
-            print(f"{path}: stopped; {kept}", file=sys.stderr)
-            raise SystemExit(STOPPED) from None
+            with _stoppable(lambda: say(None, "stopping; the parts that are finished are kept")):
+                state = running.run(of, path, workers=count, scheduler=scheduler, dashboard=dashboard, shown=shown)
+    except KeyboardInterrupt:
+        logging.getLogger("asyncio").setLevel(logging.CRITICAL)  # dask's connections end in the middle of a task
+        kept = running.kept(path, last[0].parts) if last else "nothing was computed yet"
+        print(f"{path}: stopped; {kept}", file=sys.stderr)
+        raise SystemExit(STOPPED) from None
     answer = study_answers.run_report(of, state, store=path, seconds=time.monotonic() - began)
     return print_json(answer) if json else layout.show(text.computed(answer))
 
@@ -112,60 +113,19 @@ def show(store: StoreName, *, json: bool = False) -> None:
     return print_json(answer) if json else layout.show(text.shown(answer))
 
 
-def export(
-    store: StoreName,
-    *,
-    csv: Annotated[Path | None, tyro.conf.arg(metavar="TABLE.csv")] = None,
-    parquet: Annotated[Path | None, tyro.conf.arg(metavar="TABLE.parquet")] = None,
-    every_run: bool = False,
-    overwrite: bool = False,
-    json: bool = False,
-) -> None:
-    """Write a store as a table: a row for each point and estimator, or for each run.
-
-    Args:
-        store: The store.
-        csv: Write a CSV file.
-        parquet: Write a Parquet file.
-        every_run: A row for each run, with its seed.
-        overwrite: Replace the file if it exists.
-        json: Print one JSON object.
-    """
-    from rangenav.commands.text import layout
-    from rangenav.commands.text import study as text
-    from rangenav.studies import export as exporting
-    from rangenav.studies import store as stores
-
-    of, files = stores.opened(store), {}
-    wanted = ((csv, exporting.to_csv, "--csv"), (parquet, exporting.to_parquet, "--parquet"))
-    require(csv is not None or parquet is not None, "give --csv TABLE.csv or --parquet TABLE.parquet, or both")
-    for path, _, flag in wanted:
-        if path is not None:
-            require(path.parent.is_dir(), f"{flag} {path}: no such folder")
-            require(overwrite or not path.exists(), f"{flag} {path}: exists already; --overwrite replaces it")
-    with working(f"writing {store.name}"):
-        for path, write, _ in wanted:
-            if path is not None:
-                files[str(path)] = write(of, path, every_run=every_run)
-    answer = {
-        "store": str(store),
-        "files": [{"file": name, "rows": rows} for name, rows in files.items()],
-        "parts_missing": of.blocks.count - len(of.done()),
-    }
-    return print_json(answer) if json else layout.show(text.exported(answer))
-
-
 Action = Annotated[
     Annotated[None, tyro.conf.subcommand("plan", constructor=plan)]
     | Annotated[None, tyro.conf.subcommand("run", constructor=run)]
     | Annotated[None, tyro.conf.subcommand("show", constructor=show)]
-    | Annotated[None, tyro.conf.subcommand("export", constructor=export)],
+    | Annotated[None, tyro.conf.subcommand("export", constructor=study_files.export)]
+    | Annotated[None, tyro.conf.subcommand("copy", constructor=study_files.copy)]
+    | Annotated[None, tyro.conf.subcommand("preset", constructor=study_files.preset)],
     tyro.conf.arg(name=""),
 ]
 
 
 def study(action: Action) -> None:
-    """Compute maps and samples of many presets from a file: plan, run, show or export.
+    """Compute maps and samples of many presets from a file: plan, run, show, export, copy or preset.
 
     Example: rangenav study run anchor-map
 
@@ -175,12 +135,16 @@ def study(action: Action) -> None:
 
 
 @contextmanager
-def _stoppable() -> Iterator[None]:
-    """SIGTERM, with which batch systems end a program, stops a study as Ctrl+C does; a second one changes nothing."""
+def _stoppable(stopping: Callable[[], None]) -> Iterator[None]:
+    """SIGTERM, with which batch systems end a program, stops a study as Ctrl+C does; a second one changes nothing.
+
+    `stopping` tells the person, because the workers take seconds to end.
+    """
 
     def stop(_number: int, _frame: object) -> None:
         for number in before:
             signal.signal(number, signal.SIG_IGN)
+        stopping()
         raise KeyboardInterrupt
 
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}

@@ -42,6 +42,7 @@ def run_report(of: Study, state: State, *, store: Path, seconds: float) -> dict[
         "computed": state.computed,
         "seconds": seconds,
         "interval": state.width,
+        "stopping_rule_met": state.met,
     }
 
 
@@ -61,6 +62,7 @@ def show_report(of: Store) -> dict[str, Any]:
         "invalid": held.invalid,
         "runs": held.runs,
         "cpu_seconds": held.seconds,
+        "stopping_rule_met": held.met,
         "metrics": [
             {
                 "metric": name,
@@ -72,6 +74,11 @@ def show_report(of: Store) -> dict[str, Any]:
                 "least_at": place(one.least_at),
                 "largest": one.largest if one.finite else None,
                 "largest_at": place(one.largest_at),
+                "middle": METRICS[name].middle,
+                "bound": None if one.bound is None else {"level": one.bound.level, "at_most": one.bound.most},
+                "bound_words": None if one.bound is None else one.bound.words,
+                "meets": one.meets if one.bound is not None else None,
+                "meets_within": {study.parameter(k).path: list(ends) for k, ends in one.within.items()},
             }
             for (name, estimator), one in held.metrics.items()
         ],

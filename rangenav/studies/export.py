@@ -1,7 +1,7 @@
 """A store as a table, for tools that read CSV or Parquet: a row for each point and estimator, or for each run.
 
-    parameters … · [estimator] · metrics of the point … · runs · mean and half width of each metric of a run … · reason
-    parameters … · estimator · run · seed · metrics of the run …                                        (every run)
+    point · parameters … · [estimator] · metrics of the point … · runs · metrics of runs with their intervals … · reason
+    point · parameters … · estimator · run · seed · metrics of the run …                                    (every run)
 It goes through the store part by part, so that a store of any size needs the memory of one part.
 """
 
@@ -14,12 +14,14 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.inputs import require
-from rangenav.studies import extra, stopping
+from rangenav.studies import extra, intervals
+from rangenav.studies.metrics import METRICS
 from rangenav.studies.store import REASON, RUNS, Store
+from rangenav.studies.study import POINT
 
 Columns = dict[str, Array]
-HALF_WIDTH = "_half_width_95"
-"""After a metric's name: half its 95 % confidence interval."""
+LOW, HIGH = "_low_95", "_high_95"
+"""After a metric's name: the ends of the 95 % confidence interval of its mean, its median or its share."""
 
 
 def to_csv(of: Store, path: Path, *, every_run: bool = False) -> int:
@@ -78,8 +80,9 @@ def _each_point(of: Store, indices: Array, arrays: dict[str, Array]) -> Columns:
         columns[RUNS] = np.repeat(arrays[RUNS].ravel(), estimators)
     for name in file.run_metrics:
         values = arrays[name].reshape(len(columns[RUNS]), file.most_runs)
-        columns[name] = stopping.mean(values)
-        columns[name + HALF_WIDTH] = stopping.half_width(values)
+        kind = METRICS[name].middle
+        columns[name] = intervals.middle(values, kind)
+        columns[name + LOW], columns[name + HIGH] = intervals.interval(values, kind)
     columns[REASON] = np.repeat(np.asarray(arrays[REASON], dtype=object).ravel(), estimators)
     return columns
 
@@ -104,10 +107,10 @@ def _each_run(of: Store, indices: Array, arrays: dict[str, Array]) -> Columns:
 
 
 def _parameters(of: Store, indices: Array) -> Columns:
-    """The preset, if there are several, and the values of the parameters, by the names of their dimensions."""
+    """The point's number, its preset if there are several, and its values of the parameters, by dimension."""
     study = of.study
     places = dict(zip(study.dimensions, np.unravel_index(indices, study.shape), strict=True))
-    columns: dict[str, Any] = {}
+    columns: dict[str, Any] = {POINT: indices}
     if len(study.bases) > 1:
         columns["preset"] = np.array(study.names, dtype=object)[places["preset"]]
     for name, values in study.values.items():

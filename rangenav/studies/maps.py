@@ -14,7 +14,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import require
 from rangenav.progress import Cancelled, CancelledError, Progress, never, unheard
 from rangenav.results import result
-from rangenav.studies import evaluation
+from rangenav.studies import evaluation, intervals
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.study import Study
 from rangenav.studies.study_file import Grid
@@ -33,7 +33,8 @@ class StudyMap:
     first: Float[Array, "n"]
     second: Float[Array, "m"]
     values: dict[str, Float[Array, "n m"]]
-    """Each metric; of runs their mean, of the study's first estimator. NaN where it is not computed or invalid."""
+    """Each metric; of runs their mean, median or share, of the study's first estimator. NaN where it is not computed,
+    or invalid."""
     computed: Bool[Array, "n m"]
     reason: Shaped[Array, "n m"]
     """Why a point is invalid, as objects; empty where it is valid, or not computed yet."""
@@ -125,6 +126,5 @@ def _means(study: Study, done: evaluation.PointResult) -> dict[str, float]:
     file = study.file
     found = dict(zip(file.point_metrics, done.point.tolist(), strict=True))
     for k, name in enumerate(file.run_metrics):
-        assert METRICS[name].needs == "run"
-        found[name] = float(np.mean(done.runs[0, :, k])) if done.runs.shape[1] else np.nan
+        found[name] = float(intervals.middle(done.runs[:1, :, k], METRICS[name].middle)[0])
     return found

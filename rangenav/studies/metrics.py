@@ -14,14 +14,15 @@ from typing import Any, Literal
 import numpy as np
 
 from rangenav import consistency, motion, vehicle
-from rangenav.analysis import Analysis
 from rangenav.model import POSITION
 from rangenav.motion import Limits, Motion
 from rangenav.preset import Preset
 from rangenav.record import Outcome, Truth
 from rangenav.results import result
+from rangenav.studies.intervals import Middle
 
 Needs = Literal["analysis", "motion", "run"]
+Better = Literal["less", "more", "neither"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +36,12 @@ class Metric:
     needs: Needs
     value: Callable[[Any], float]
     """From an Analysis, a Flight or a Run, as `needs` says; NaN or infinite where there is no such number."""
+    better: Better = "less"
+    """Which values are better."""
+    middle: Middle = "mean"
+    """What several runs say together: of a yes (1) or no (0) the share, of a time that may be infinite the median."""
+    meaning: str
+    """How it is defined, a clause for a table."""
 
 
 @result
@@ -59,18 +66,6 @@ def flight(moved: Motion, preset: Preset) -> Flight:
     return Flight(motion=moved, preset=preset, limits=motion.limits(moved, world=preset.world))
 
 
-def _analysis(name: str, unit: str, title: str, value: Callable[[Analysis], float]) -> Metric:
-    return Metric(name=name, unit=unit, title=title, needs="analysis", value=value)
-
-
-def _motion(name: str, unit: str, title: str, value: Callable[[Flight], float]) -> Metric:
-    return Metric(name=name, unit=unit, title=title, needs="motion", value=value)
-
-
-def _run(name: str, unit: str, title: str, value: Callable[[Run], float]) -> Metric:
-    return Metric(name=name, unit=unit, title=title, needs="run", value=value)
-
-
 def _flyable(flown: Flight) -> float:
     return float(not vehicle.broken(flown.motion, flown.preset.vehicle, world=flown.preset.world))
 
@@ -93,36 +88,136 @@ def _settled(run: Run) -> float:
     return float(summary.settle_position_s is not None and summary.settle_attitude_s is not None)
 
 
+def _of(needs: Needs, better: Better = "less", middle: Middle = "mean") -> Callable[..., Metric]:
+    """A maker of rows from name, unit, title, value and meaning."""
+
+    def row(name: str, unit: str, title: str, value: Callable[[Any], float], meaning: str) -> Metric:
+        return Metric(
+            name=name, unit=unit, title=title, needs=needs, better=better, middle=middle, value=value, meaning=meaning
+        )
+
+    return row
+
+
+def _limit(name: str) -> Callable[[Flight], float]:
+    return lambda flown: getattr(flown.limits, name)
+
+
+def _summary(name: str) -> Callable[[Run], float]:
+    return lambda run: float(getattr(run.outcome.summary, name))
+
+
+MORE_OF_ANALYSIS, OF_ANALYSIS, OF_MOTION = _of("analysis", "more"), _of("analysis"), _of("motion")
+LAST_QUARTER = "RMS over the last quarter of the flight"
+OF_RUN, TIME = _of("run"), _of("run", middle="median")
 ROWS = (
-    _analysis("mu", "m²/s⁷", "excitation μ", lambda a: a.mu),
-    _analysis("rank", "", "lifted rank, of 13", lambda a: a.known_rank),
-    _analysis("rank_nonlinear", "", "nonlinear rank, of 9", lambda a: a.nonlinear_rank),
-    _analysis("sigma_lifted", "m", "predicted σ of the position, lifted", lambda a: a.lifted_end.position),
-    _analysis("sigma_nonlinear", "m", "predicted σ of the position, nonlinear", lambda a: a.nonlinear_end.position),
-    _analysis(
+    MORE_OF_ANALYSIS(
+        "mu",
+        "m²/s⁷",
+        "excitation μ",
+        lambda a: a.mu,
+        "least eigenvalue of the excitation over a window; where it is large enough, the cascade converges",
+    ),
+    MORE_OF_ANALYSIS(
+        "rank",
+        "",
+        "lifted rank, of 13",
+        lambda a: a.known_rank,
+        "quantities of the lifted, linear model that the ranges tell; the cascade needs 13",
+    ),
+    MORE_OF_ANALYSIS(
+        "rank_nonlinear",
+        "",
+        "nonlinear rank, of 9",
+        lambda a: a.nonlinear_rank,
+        "quantities of the motion itself that the ranges tell; every estimator needs 9",
+    ),
+    OF_ANALYSIS(
+        "sigma_lifted",
+        "m",
+        "predicted σ of the position, lifted",
+        lambda a: a.lifted_end.position,
+        "Cramér-Rao bound of the lifted model at the end of a window: the best for the cascade",
+    ),
+    OF_ANALYSIS(
+        "sigma_nonlinear",
+        "m",
+        "predicted σ of the position, nonlinear",
+        lambda a: a.nonlinear_end.position,
+        "the same of the nonlinear model: the best for any estimator",
+    ),
+    _of("analysis", "more", "share")(
         "observable",
         "",
         "the verdict is observable: every requirement is met",
         lambda a: float(a.verdict.word == "observable"),
+        "1 if rank, μ and σ meet what the preset requires",
     ),
-    _motion("speed", "m/s", "largest speed", lambda f: f.limits.speed),
-    _motion("acceleration", "m/s²", "largest acceleration", lambda f: f.limits.acceleration),
-    _motion("thrust_to_weight", "", "largest thrust over weight", lambda f: f.limits.thrust_to_weight),
-    _motion("body_rate", "rad/s", "largest body rate", lambda f: f.limits.body_rate),
-    _motion("snap", "m/s⁴", "largest snap", lambda f: f.limits.snap),
-    _motion("anchor_distance", "m", "least distance to the anchor", lambda f: f.limits.anchor_distance_min),
-    _motion("flyable", "", "keeps the vehicle's limits", _flyable),
-    _run("settle_position", "s", "settling time, position", lambda r: _or_never(r.outcome.summary.settle_position_s)),
-    _run("settle_attitude", "s", "settling time, attitude", lambda r: _or_never(r.outcome.summary.settle_attitude_s)),
-    _run("settled", "", "position and attitude settle", _settled),
-    _run("steady_position", "m", "steady error, position", lambda r: r.outcome.summary.steady_position),
-    _run("steady_velocity", "m/s", "steady error, velocity", lambda r: r.outcome.summary.steady_velocity),
-    _run("steady_gravity", "m/s²", "steady error, gravity", lambda r: r.outcome.summary.steady_gravity),
-    _run("steady_attitude", "°", "steady error, attitude", lambda r: r.outcome.summary.steady_attitude_deg),
-    _run("peak_position", "m", "largest position error", lambda r: r.outcome.summary.peak_position),
-    _run("final_position", "m", "last position error", lambda r: r.outcome.summary.final_position),
-    _run("nees", "", "NEES of the position over 3, last quarter", _nees),
-    _run("diverged", "", "the observer has diverged", lambda r: float(r.outcome.summary.diverged)),
+    OF_MOTION("speed", "m/s", "largest speed", _limit("speed"), "over the flight, as all of the motion"),
+    OF_MOTION("acceleration", "m/s²", "largest acceleration", _limit("acceleration"), "without gravity"),
+    OF_MOTION("thrust_to_weight", "", "largest thrust over weight", _limit("thrust_to_weight"), "1 in hover"),
+    OF_MOTION("body_rate", "rad/s", "largest body rate", _limit("body_rate"), "of the preset's attitude"),
+    OF_MOTION("snap", "m/s⁴", "largest snap", _limit("snap"), "fourth derivative of the position"),
+    _of("motion", "more")(
+        "anchor_distance", "m", "least distance to the anchor", _limit("anchor_distance_min"), "over the flight"
+    ),
+    _of("motion", "more", "share")(
+        "flyable", "", "keeps the vehicle's limits", _flyable, "1 if no limit of the preset's vehicle is broken"
+    ),
+    TIME(
+        "settle_position",
+        "s",
+        "settling time, position",
+        lambda r: _or_never(r.outcome.summary.settle_position_s),
+        "from when on the error stays below 0.3 m; infinite if it does not",
+    ),
+    TIME(
+        "settle_attitude",
+        "s",
+        "settling time, attitude",
+        lambda r: _or_never(r.outcome.summary.settle_attitude_s),
+        "from when on the error stays below 5°; infinite if it does not",
+    ),
+    _of("run", "more", "share")(
+        "settled", "", "position and attitude settle", _settled, "1 if both settling times are finite"
+    ),
+    OF_RUN("steady_position", "m", "steady error, position", _summary("steady_position"), LAST_QUARTER),
+    OF_RUN("steady_velocity", "m/s", "steady error, velocity", _summary("steady_velocity"), LAST_QUARTER),
+    OF_RUN("steady_gravity", "m/s²", "steady error, gravity", _summary("steady_gravity"), LAST_QUARTER),
+    OF_RUN("steady_attitude", "°", "steady error, attitude", _summary("steady_attitude_deg"), LAST_QUARTER),
+    OF_RUN(
+        "peak_position",
+        "m",
+        "largest position error",
+        _summary("peak_position"),
+        "over the whole flight, so the wrong start counts",
+    ),
+    OF_RUN("final_position", "m", "last position error", _summary("final_position"), "at the last sample"),
+    _of("run", "neither")(
+        "nees",
+        "",
+        "NEES of the position over 3, last quarter",
+        _nees,
+        "squared error over the variance that the estimator states: 1 is right, more is too sure of itself",
+    ),
+    _of("run", "less", "share")(
+        "diverged",
+        "",
+        "the observer has diverged",
+        _summary("diverged"),
+        "1 if estimate and ranges disagree so much that the observer must start again; no truth is used",
+    ),
 )
 METRICS: Mapping[str, Metric] = {row.name: row for row in ROWS}
 """Every metric by its name."""
+
+
+def markdown() -> str:
+    """The table of all metrics, for the documentation."""
+    lines = ["| metric | unit | better | of several runs | meaning |", "|---|---|---|---|---|"]
+    lines += [
+        f"| `{row.name}` | {row.unit or '1'} | {row.better} | {row.middle if row.needs == 'run' else '–'} "
+        f"| {row.title}: {row.meaning} |"
+        for row in ROWS
+    ]
+    return "\n".join(lines)

@@ -4,6 +4,7 @@
 The trial decides how many points a part has, and nothing of the results.
 """
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -19,6 +20,8 @@ PART_SECONDS = 6.0
 LEAST_SECONDS = 0.3
 MANY = 32
 """A small study has about so many parts, so that every worker has some."""
+SMALLER, SIZES = 0.75, 32
+"""A part may be smaller by this factor so that all workers end at about the same time; sizes that are compared."""
 TRIALS, TRIED = 3, 12
 """Valid points that are timed, and points that are looked at to find them."""
 TRIAL_RUNS = 4
@@ -87,23 +90,31 @@ def cost(study: Study) -> Cost:
     return Cost(point=float(np.median(point)), run=float(np.median(run)), tried=tried, invalid=invalid)
 
 
-def divided(study: Study, of: Cost) -> Blocks:
-    """The parts of a study: some seconds of work each, or fewer if the study is small."""
+def divided(study: Study, of: Cost, *, workers: int = 1) -> Blocks:
+    """The parts of a study: some seconds of work each, or fewer if the study is small, for so many workers to share."""
     stop, most = study.file.stop, study.file.most_runs
     usual = most if stop is None else (stop.least * most) ** 0.5  # between the fewest and the most
     each = max(of.point + of.run * usual, 1e-6)
     seconds = min(PART_SECONDS, max(LEAST_SECONDS, each * study.count / MANY))
-    return blocks.divided(study.shape, max(1, int(seconds / each)))
+    points = max(1, int(seconds / each))
+    sizes = np.unique(np.linspace(max(1, int(SMALLER * points)), points, SIZES).astype(int)).tolist()
+
+    def longest(size: int) -> int:
+        """Points that one worker has if every part takes the same time."""
+        parts = blocks.divided(study.shape, size)
+        return -(-parts.count // workers) * math.prod(parts.chunk)
+
+    return blocks.divided(study.shape, min(reversed(sizes), key=longest))
 
 
-def plan(study: Study) -> Plan:
+def plan(study: Study, *, workers: int = 1) -> Plan:
     """What a study will take. It computes a few points, in this process."""
-    return of_cost(study, cost(study))
+    return of_cost(study, cost(study), workers=workers)
 
 
-def of_cost(study: Study, of: Cost) -> Plan:
+def of_cost(study: Study, of: Cost, *, workers: int = 1) -> Plan:
     """The same for a cost that is known."""
-    file, parts = study.file, divided(study, of).count
+    file, parts = study.file, divided(study, of, workers=workers).count
     runs = study.count * file.most_runs
     files = len(file.metrics) + 2
     described = (

@@ -31,8 +31,10 @@ class Receipt(Input, frozen=True, kw_only=True):
     runs: int
     width: float | None
     """The median over the points of the relative half width of the 95 % interval of `Study.watched`; None without."""
+    met: int | None = None
+    """Points that meet the stopping rule; None without one."""
     seconds: float
-    """CPU time that the task took."""
+    """CPU time that the task took, of the thread that computes."""
     files: tuple[tuple[str, str], ...]
     """Files of the part below the store, each with the SHA-256 of its bytes."""
 

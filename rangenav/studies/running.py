@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any
+from typing import Any, Literal
 
 from rangenav.inputs import require, shortened
 from rangenav.progress import Cancelled, CancelledError, never
@@ -19,6 +19,7 @@ from rangenav.studies import cluster, creation, extra, plan, receipts, store, ta
 from rangenav.studies.receipts import Receipt
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
+from rangenav.studies.study_file import StudyFile
 
 AHEAD = 3
 """Tasks that the scheduler holds for each thread: no worker waits for this program, and a stop drops few."""
@@ -28,6 +29,10 @@ LATE = 30.0
 """s after which a receipt must be visible."""
 RECOUNT = 5.0
 """s between two counts of the workers, which may come and go."""
+
+
+Stage = Literal["workers", "kernels", "points"]
+"""Workers start, kernels compile or are loaded, points are computed."""
 
 
 class StoppedError(ValueError):
@@ -55,6 +60,10 @@ class State:
     """s until the end, at this rate; None before the first part."""
     width: float | None
     """The mean over the parts of the relative half width of the watched metric's interval; None without."""
+    met: int | None
+    """Points that meet the stopping rule; None without one."""
+    stage: Stage
+    """What is done now."""
 
 
 Shown = Callable[[State], None]
@@ -78,28 +87,39 @@ def run(
     scheduler is lost, and CancelledError when it is cancelled.
     """
     extra.distributed()
-    of = _opened(study, path)
+    of = _opened(study, path, workers if client is None else cluster.threads(client))
     with of.locked():
         tally = _Tally(of)
-        shown(tally.state())
+        shown(tally.state("workers"))
         if tally.missing:
             with cluster.connected(client, workers=workers, scheduler=scheduler, dashboard=dashboard) as connected:
+                shown(tally.state("kernels"))
                 _compile(connected, of)
                 tally.begin()
                 _deal(connected, of, tally, shown, cancelled)
         return tally.state()
 
 
-def _opened(study: Study, path: Path) -> Store:
+def _opened(study: Study, path: Path, workers: int) -> Store:
     """The store of this study, which is made if there is none."""
     if not path.exists():
-        return creation.created(path, study, plan.divided(study, plan.cost(study)))
+        return creation.created(path, study, plan.divided(study, plan.cost(study), workers=max(1, workers)))
     of = store.opened(path)
-    rule = f"{path}: holds another study, {of.study.file.title!r}; choose another store"
-    require(of.study.digest == study.digest, rule)
+    words = f"{of.study.file.title!r} ({_difference(of.study, study)})"
+    require(of.study.digest == study.digest, f"{path}: holds another study, {words}; choose another store")
     rule = f"{path}: begun with {of.source}; go on with that version, or choose another store"
     require(of.source == store.SOURCE, rule)
     return of
+
+
+def _difference(there: Study, here: Study) -> str:
+    """What differs between two studies, as a clause."""
+    for name in StudyFile.__struct_fields__:
+        old, new = getattr(there.file, name), getattr(here.file, name)
+        if old != new:
+            plain = all(isinstance(one, str | int | float) for one in (old, new))
+            return f"its {name} is {old!r}, not {new!r}" if plain else f"its {name} differ from this one's"
+    return "its presets differ from this one's"
 
 
 def kept(path: Path, parts: int) -> str:
@@ -114,6 +134,7 @@ class _Tally:
         self._by_runs, self._parts = bool(of.study.file.run_metrics), of.blocks.count
         self._done = self._points = self._invalid = self._runs = self._work = self._computed = 0
         self._width, self._widths = 0.0, 0
+        self._met = None if of.study.file.stop is None else 0
         there = set()
         for part, receipt in of.done().items():
             there.add(part)
@@ -131,7 +152,7 @@ class _Tally:
         self._computed += 1
         self._count(receipt)
 
-    def state(self) -> State:
+    def state(self, stage: Stage = "points") -> State:
         """How far the study is."""
         seconds, computed = max(time.monotonic() - self._began, 1e-9), self._computed
         return State(
@@ -145,6 +166,8 @@ class _Tally:
             rate=(self._work - self._work_before) / seconds,
             left=seconds / computed * (self._parts - self._done) if computed else None,
             width=self._width / self._widths if self._widths else None,
+            met=self._met,
+            stage=stage,
         )
 
     def _count(self, receipt: Receipt) -> None:
@@ -153,6 +176,8 @@ class _Tally:
         self._invalid += receipt.invalid
         self._runs += receipt.runs
         self._work += receipt.runs if self._by_runs else receipt.points
+        if self._met is not None:
+            self._met += receipt.met or 0
         if receipt.width is not None:
             self._width += receipt.width
             self._widths += 1

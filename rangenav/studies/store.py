@@ -51,7 +51,9 @@ class Store:
             group = zarr.open_group(self.path, mode="r+", use_consolidated=False)
             return {name: group[name] for name in (*self.study.file.metrics, RUNS, REASON)}
 
-    def write(self, part: int, block: Block, *, width: float | None, seconds: float) -> Receipt:
+    def write(
+        self, part: int, block: Block, *, seconds: float, width: float | None = None, met: int | None = None
+    ) -> Receipt:
         """Write one part and its receipt. Raises OSError, and leaves no receipt, if the disk refuses."""
         region, extent, file = self.blocks.region(part), self.blocks.extent(part), self.study.file
         for k, name in enumerate(file.point_metrics):
@@ -68,6 +70,7 @@ class Store:
             invalid=int(np.sum(block.reason != "")),
             runs=int(block.count.sum()),
             width=width,
+            met=met,
             seconds=seconds,
             files=files,
         )

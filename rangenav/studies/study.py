@@ -103,8 +103,9 @@ class Study:
         return of
 
     def seed(self, index: int, run: int) -> int:
-        """The seed of a run: it depends on nothing but the study's seed and on both indices."""
-        sequence = np.random.SeedSequence(self.file.seed, spawn_key=(index, run))
+        """The seed of a run: it depends on nothing but the study's seed and on both indices, or on `run` alone."""
+        key = (run,) if self.file.common_seeds else (index, run)
+        sequence = np.random.SeedSequence(self.file.seed, spawn_key=key)
         return int(sequence.generate_state(1, np.uint64)[0]) >> (64 - SEED_BITS)
 
     def _place(self, index: int) -> tuple[int, ...]:
@@ -125,16 +126,23 @@ def shipped() -> dict[str, Path]:
     return {file.stem: file for file in sorted(FOLDER.glob("*.toml"))}
 
 
+def find(name_or_path: str | Path) -> Path:
+    """The file behind a shipped name or a path. Raises ValueError with the shipped names if there is none."""
+    path = Path(name_or_path)
+    if path.suffix == ".toml" or path.parent != Path("."):
+        require(path.is_file(), f"{path}: no such file")
+        return path
+    there = shipped()
+    require(path.name in there, f"{path}: no such study; shipped are {', '.join(there)}")
+    return there[path.name]
+
+
 def load(name_or_path: str | Path) -> Study:
     """A shipped study by its name, or any study by the path of its file.
 
     Raises ValueError in one sentence that names file, field and rule.
     """
-    path = Path(name_or_path)
-    if path.suffix != ".toml" and path.parent == Path("."):
-        there = shipped()
-        require(path.name in there, f"{path}: no such study; shipped are {', '.join(there)}")
-        path = there[path.name]
+    path = find(name_or_path)
     file = study_file.read(path)
     try:
         bases = tuple(preset.load(_beside(name, path)) for name in file.presets)
@@ -162,6 +170,7 @@ def _with_path(of: Preset, name: str, factor: float) -> Preset:
         if name == TIME_SCALE:
             return msgspec.structs.replace(of, path=signals.slowed(of.path, factor))
         assert name == SIZE
+        require(factor > 0, "must be positive")
         places = of.path(np.linspace(0, of.duration, BOX_SAMPLES))
         x, y, z = ((places.max(axis=0) + places.min(axis=0)) / 2).tolist()
         return msgspec.structs.replace(of, path=signals.scaled(of.path, factor, about=(x, y, z)))

@@ -1,10 +1,11 @@
 """The file of a study: base presets, parameters, design, seeds, estimators, metrics and a stopping rule, as TOML.
 
-Errors name file, field and rule: `anchor.toml: parameters[1]: low must lie below high, got 3 and -3`.
+Errors name file, field and rule: `anchor.toml: parameters.2: low must lie below high, got 3 and -3`.
 """
 
+import difflib
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import msgspec
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from rangenav import field_path, preset, toml_limits
 from rangenav.inputs import Input, require, require_within
 from rangenav.preset import Preset
+from rangenav.studies import file_errors
 from rangenav.studies.estimators import ESTIMATORS
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import DERIVED, Choices, Listed, Parameter
@@ -69,6 +71,8 @@ class StudyFile(Input, frozen=True, kw_only=True):
     """Seeds at each point; with a stopping rule, the most. Not used if no metric is of a run."""
     seed: int = 0
     """The seeds of all runs, and the sample of the points, follow from it."""
+    common_seeds: bool = False
+    """The runs of every point have the same seeds: neighbours differ by what they are, and share one error."""
     estimators: tuple[str, ...] = ("cascade",)
     metrics: tuple[str, ...]
     windows: int = 101
@@ -86,12 +90,15 @@ class StudyFile(Input, frozen=True, kw_only=True):
             require(len(names) > 0, f"{field} must name one or more of {', '.join(table)}")
             require(len(set(names)) == len(names), f"{field} must not name one twice")
             for name in names:
-                require(name in table, f"{field}: there is no {name}; there are {', '.join(table)}")
+                require(name in table, f"{field}: {file_errors.near(name, table)}")
         self._refuse_names()
         self._refuse_counts()
         if self.stop is not None:
-            rule = f"stop.metric must be one of the metrics of a run: {', '.join(self.run_metrics) or 'there is none'}"
-            require(self.stop.metric in self.run_metrics, f"{rule}; got {self.stop.metric}")
+            known = METRICS.get(self.stop.metric)
+            rule = f"stop.metric: {self.stop.metric} is no metric of a run"
+            require(known is not None and known.needs == "run", rule)
+            rule = f"stop.metric: {self.stop.metric} must be one of the study's metrics, too"
+            require(self.stop.metric in self.run_metrics, rule)
             require(
                 self.stop.least <= self.runs, f"stop.least must not exceed runs ({self.runs}), got {self.stop.least}"
             )
@@ -99,9 +106,9 @@ class StudyFile(Input, frozen=True, kw_only=True):
     def _refuse_names(self) -> None:
         names = [parameter.dimension for parameter in self.parameters]
         for k, name in enumerate(names):
-            require(name not in names[:k], f"parameters[{k}]: the name {name} is taken; `name` gives another")
+            require(name not in names[:k], f"parameters.{k + 1}: the name {name} is taken; `name` gives another")
             taken = name in RESERVED or name in METRICS
-            require(not taken, f"parameters[{k}]: name must not be {name}, which the store uses")
+            require(not taken, f"parameters.{k + 1}: name must not be {name}, which the store uses")
 
     def _refuse_counts(self) -> None:
         """A grid needs the number of values of each parameter, and a sample must not have it."""
@@ -111,8 +118,8 @@ class StudyFile(Input, frozen=True, kw_only=True):
             if isinstance(parameter, Listed | Choices):
                 continue
             missing, kind = parameter.count is None, type(self.design).__struct_config__.tag
-            require(not (grid and missing), f"parameters[{k}]: count is missing; a grid needs it")
-            require(grid or missing, f"parameters[{k}]: count is for a grid; the design {kind} states points")
+            require(not (grid and missing), f"parameters.{k + 1}: count is missing; a grid needs it")
+            require(grid or missing, f"parameters.{k + 1}: count is for a grid; the design {kind} states points")
         require_within("the number of points", self.count, 1, MAX_POINTS)
 
     @property
@@ -138,12 +145,21 @@ class StudyFile(Input, frozen=True, kw_only=True):
         return each * len(self.presets)
 
 
+FIELDS = {
+    "": {"": StudyFile.__struct_fields__},
+    "stop": {"": Stop.__struct_fields__},
+    "design": {kind.__struct_config__.tag: kind.__struct_fields__ for kind in get_args(Design)},
+    "parameters": {kind.__struct_config__.tag: kind.__struct_fields__ for kind in get_args(Parameter)},
+}
+"""The fields of each table of a file, by the name of the table, and by its kind."""
+
+
 def loads(text: str, *, source: str) -> StudyFile:
     """A study's file from TOML text; errors start with `source`. Raises ValueError."""
     try:
         return toml_limits.decode(text, StudyFile)
     except ValueError as error:
-        raise ValueError(f"{source}: {error}") from None
+        raise ValueError(f"{source}: {file_errors.explained(str(error), text, FIELDS)}") from None
 
 
 def dumps(file: StudyFile) -> str:
@@ -159,7 +175,6 @@ def dumps(file: StudyFile) -> str:
 
 def read(path: Path) -> StudyFile:
     """The file of a study. Raises ValueError with one sentence."""
-    require(path.is_file(), f"{path}: no such file")
     try:
         content = path.read_bytes()
         require(len(content) <= toml_limits.MAX_BYTES, f"{path.name}: larger than {toml_limits.MAX_BYTES} bytes")
@@ -175,7 +190,9 @@ def refuse_unknown_paths(file: StudyFile, bases: tuple[Preset, ...]) -> None:
     """Raise ValueError if a parameter names no number, or no word, of one of the presets."""
     for k, parameter in enumerate(file.parameters):
         if parameter.path in DERIVED:
-            require(not isinstance(parameter, Choices), f"parameters[{k}]: {parameter.path} takes numbers")
+            require(not isinstance(parameter, Choices), f"parameters.{k + 1}: {parameter.path} takes numbers")
+            least = min(parameter.values) if isinstance(parameter, Listed) else getattr(parameter, "low", 1.0)
+            require(least > 0, f"parameters.{k + 1}: {parameter.path} must be positive, got {least:g}")
             continue
         for base in bases:
             try:
@@ -184,7 +201,16 @@ def refuse_unknown_paths(file: StudyFile, bases: tuple[Preset, ...]) -> None:
                 else:
                     field_path.value(base, parameter.path)
             except ValueError as error:
-                raise ValueError(f"parameters[{k}]: path {error}") from None
+                raise ValueError(f"parameters.{k + 1}: path {_reason(error, parameter.path, base)}") from None
+
+
+def _reason(error: ValueError, path: str, base: Preset) -> str:
+    """Why a path is wrong, and the paths of the preset that look like it."""
+    first = path.split(".")[0]
+    words = str(error) if first in base.__struct_fields__ else f"{path}: there is no {first}"
+    known = [*DERIVED, *field_path.paths(base)]
+    likely = difflib.get_close_matches(path, known, 3) or [one for one in known if path.split(".")[-1] in one][:3]
+    return f"{words}; did you mean {' or '.join(likely)}?" if likely else words
 
 
 def _refuse_points(points: int) -> None:

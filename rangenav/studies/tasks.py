@@ -7,7 +7,9 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.inputs import require
-from rangenav.studies import evaluation, plan, stopping, store
+from rangenav.studies import evaluation, intervals, plan, store
+from rangenav.studies.evaluation import Block
+from rangenav.studies.metrics import METRICS
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
 
@@ -23,9 +25,10 @@ def compute(path: str, digest: str, part: int) -> None:
     Raises ValueError if this worker does not see the store, and OSError if the disk refuses.
     """
     of = _seen(path, digest)
-    began = time.process_time()
+    began = time.thread_time()
     block = evaluation.block(of.study, of.blocks.indices(part).tolist())
-    of.write(part, block, width=_width(of.study, block.runs), seconds=time.process_time() - began)
+    width, met = _width(of.study, block.runs), _met(of.study, block)
+    of.write(part, block, width=width, met=met, seconds=time.thread_time() - began)
 
 
 def _seen(path: str, digest: str) -> Store:
@@ -39,6 +42,16 @@ def _width(study: Study, runs: Array) -> float | None:
     watched = study.watched
     if watched is None:
         return None
-    widths = stopping.relative_half_width(runs[..., study.file.run_metrics.index(watched)]).max(axis=1)
+    values = runs[..., study.file.run_metrics.index(watched)]
+    widths = intervals.relative_half_width(values, METRICS[watched].middle).max(axis=1)
     finite = widths[np.isfinite(widths)]
     return float(np.median(finite)) if len(finite) else None
+
+
+def _met(study: Study, block: Block) -> int | None:
+    """How many points meet the stopping rule; None without one."""
+    stop = study.file.stop
+    if stop is None:
+        return None
+    values = block.runs[..., study.file.run_metrics.index(stop.metric)]
+    return sum(stop.met(of[:, :count]) for of, count in zip(values, block.count, strict=True))

@@ -15,7 +15,7 @@ from explorer.model import study_axes
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Settings
-from explorer.model.study_judgement import bound_of, judged
+from explorer.model.study_judgement import judged
 from explorer.model.study_map import READY, Axis, Place, Ready, design, index_of, study_of, values_at
 from explorer.panels.studies import text
 from explorer.panels.studies.choice import MapChoice
@@ -32,6 +32,7 @@ from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
 from rangenav.studies import maps
 from rangenav.studies.maps import StudyMap
+from rangenav.studies.requirements import bound_of
 from rangenav.studies.study import Study
 
 PERIOD = 0.5

@@ -17,7 +17,7 @@ from numpy import ndarray as Array
 from explorer.model import palette
 from explorer.model.basin import on_scale as colour_at
 from explorer.model.study_axes import Candidate
-from explorer.model.study_judgement import Bound, contour, not_flyable, on_scale, shares
+from explorer.model.study_judgement import contour, not_flyable, on_scale, shares
 from explorer.model.study_map import Axis
 from explorer.panels.gains.tradeoff_plot import ticks as log_ticks
 from explorer.web import cells
@@ -27,6 +27,7 @@ from rangenav.number_format import quantity, significant
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Log
+from rangenav.studies.requirements import Bound
 
 EVENT = "map-take"
 """The event of a cell that is taken, in front of its two indices."""

@@ -1,10 +1,11 @@
 """What a map says in words: its best cell, the share that meets the requirement, and where the present design lies."""
 
 from explorer.model.study_axes import Candidate
-from explorer.model.study_judgement import Bound, Judged
+from explorer.model.study_judgement import Judged
 from rangenav.number_format import percent, quantity
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS
+from rangenav.studies.requirements import Bound
 
 Names = tuple[Candidate, Candidate]
 Values = tuple[float, float]

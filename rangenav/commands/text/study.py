@@ -14,19 +14,22 @@ MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 SIZES = ("B", "kB", "MB", "GB", "TB")
 THOUSAND = 1000.0
 MOST_REASONS = 5
+STAGES = {"workers": "workers start", "kernels": "kernels are loaded; the first time on a machine they compile"}
 
 
-def progress(state: "State") -> str:
-    """One line behind the bar: parts, rate, time left, and the interval of the watched metric."""
-    if state.workers == 0 and state.done < state.parts:
-        return f"{state.done}/{state.parts} parts · waiting for workers"
+def progress(state: "State", watched: str | None) -> str:
+    """One line behind the bar: parts, rate, time left, and the 95 % interval of the watched metric."""
     parts = [f"{state.done}/{state.parts} parts"]
+    if state.done < state.parts and state.stage != "points":
+        return " · ".join([*parts, STAGES[state.stage]])
+    if state.workers == 0 and state.done < state.parts:
+        return " · ".join([*parts, "waiting for workers"])
     if state.computed:
         parts.append(f"{significant(state.rate)} {'runs' if state.runs else 'points'}/s")
     if state.left is not None:
         parts.append(f"{duration(state.left)} left")
-    if state.width is not None:
-        parts.append(f"means ±{percent(state.width)}")
+    if state.width is not None and watched is not None:
+        parts.append(f"95 % interval of {watched} ±{percent(state.width)}")
     return " · ".join(parts)
 
 
@@ -66,6 +69,7 @@ def computed(answer: Json) -> Report:
         title=answer["title"],
         groups=(
             *group("now", f"{answer['computed']} of {answer['parts']} parts in {duration(answer['seconds'])}"),
+            *group("stop", _stopping(answer)),
             *group("invalid", f"{_count(answer['invalid'], 'point')}; study show has the reasons")[
                 : 1 if answer["invalid"] else 0
             ],
@@ -87,6 +91,7 @@ def shown(answer: Json) -> Report:
         groups=(
             *group("points", _dimensions(answer["dimensions"]), damaged if parts["damaged"] else None),
             *group("done", f"{_count(answer['points'], 'point')}, {_count(answer['runs'], 'run')}"),
+            *group("stop", _stopping(answer)),
             *(
                 one
                 for row in answer["metrics"]
@@ -99,12 +104,38 @@ def shown(answer: Json) -> Report:
 
 def exported(answer: Json) -> Report:
     """Tables that are written."""
-    missing = answer["parts_missing"]
+    missing, parts = answer["parts_missing"], answer["parts"]
+    points = _count(answer["points_missing"], "point")
     return Report(
         subject=layout.subject(answer["store"]),
         sign="!" if missing else "✓",
-        answer=f"exported without {_count(missing, 'part')} that study run has not computed" if missing else "exported",
+        answer=f"exported without {points}: {missing} of {parts} parts are not computed" if missing else "exported",
         groups=group("files", *(f"{one['file']}: {_count(one['rows'], 'row')}" for one in answer["files"])),
+    )
+
+
+def copied(answer: Json) -> Report:
+    """A study's file that is there to be changed."""
+    file = layout.argument(answer["file"])
+    return Report(
+        subject=layout.subject(answer["study"]),
+        sign="✓",
+        answer=f"copied to {answer['file']}",
+        groups=layout.next_commands(f"study plan {file}", f"study run {file}"),
+    )
+
+
+def saved(answer: Json) -> Report:
+    """The preset of a point."""
+    file = layout.argument(answer["file"])
+    return Report(
+        subject=layout.subject(answer["store"]),
+        sign="✓",
+        answer=f"point {answer['point']} is the preset {answer['file']}",
+        groups=(
+            *group("values", _place(answer["values"])),
+            *layout.next_commands(f"analyze {file}", f"simulate {file}"),
+        ),
     )
 
 
@@ -127,11 +158,43 @@ def size(count: float) -> str:
 
 def _extremes(row: Json, valid: int) -> list[str]:
     of = f"{row['title']}, {row['estimator']}" if row["estimator"] else row["title"]
+    if row["estimator"] and row["middle"] != "mean":
+        of += f", {row['middle']} of the runs"
     if not row["finite"]:
         return [f"{of}: no finite value"]
     of += f": finite at {row['finite']} of {valid} points" if row["finite"] < valid else ""
+    if row["middle"] == "share" and not row["estimator"]:
+        return [f"{of}: {_points(row, valid)}"]
     both = (("least", "from"), ("largest", "to"))
-    return [of, *(f"{word} {quantity(row[key], row['unit'])} at {_place(row[f'{key}_at'])}" for key, word in both)]
+    ends = (f"{word} {quantity(row[key], row['unit'])} at {_place(row[f'{key}_at'])}" for key, word in both)
+    return [of, *ends, *_meeting(row, valid)]
+
+
+def _meeting(row: Json, valid: int) -> list[str]:
+    """At how many points a metric meets its bound, and between which values of each parameter they lie."""
+    if row["bound"] is None:
+        return []
+    sign, level = "at most" if row["bound"]["at_most"] else "at least", quantity(row["bound"]["level"], row["unit"])
+    rule = "" if row["middle"] == "share" else f" ({sign} {level})"
+    return [f"{row['bound_words']}{rule}: {_points(row, valid)}"]
+
+
+def _points(row: Json, valid: int) -> str:
+    """`3 of 81 points; there x from 0 to 0.375, y = 0`."""
+    said = f"{row['meets']} of {valid} points"
+    if not 0 < row["meets"] < valid:
+        return said
+    ends = ((path, significant(low), significant(high)) for path, (low, high) in row["meets_within"].items())
+    where = (f"{path} = {low}" if low == high else f"{path} from {low} to {high}" for path, low, high in ends)
+    return f"{said}; there {', '.join(where)}"
+
+
+def _stopping(answer: Json) -> str | None:
+    met = answer["stopping_rule_met"]
+    if met is None:
+        return None
+    left = answer["points"] - answer["invalid"] - met
+    return f"the rule is met at {_count(met, 'point')}" + (f"; {left} have the most runs without it" if left else "")
 
 
 def _place(at: Json) -> str:

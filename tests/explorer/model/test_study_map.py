@@ -8,13 +8,13 @@ import pytest
 
 from explorer.model import study_axes, study_judgement
 from explorer.model.settings import Settings, effective
-from explorer.model.study_judgement import Bound
 from explorer.model.study_map import READY, Axis, Place, study_of, taken, values_at
 from rangenav import analysis, field_path
 from rangenav.preset import Preset
 from rangenav.studies import maps, metrics
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.parameters import SIZE, TIME_SCALE, Linear, Log
+from rangenav.studies.requirements import Bound
 from rangenav.studies.study import Study
 from tests.support.page_settings import SHIPPED
 

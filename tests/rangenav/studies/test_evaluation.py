@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from rangenav import analysis, comparison, record
 from rangenav.progress import CancelledError
-from rangenav.studies import evaluation, maps, stopping, study
+from rangenav.studies import evaluation, intervals, maps, study
 from rangenav.studies.estimators import ESTIMATORS
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Listed
@@ -56,7 +56,7 @@ def test_a_point_ends_when_the_interval_is_narrow_and_not_before(small: study.St
     stop = Stop(metric="steady_position", half_width=0.3, least=4)
     ended = evaluation.block(changed(small, stop=stop, runs=24), [0, 5])
     for row, count in zip(ended.runs[:, 0, :, 0], ended.count, strict=True):
-        widths = [stopping.relative_half_width(row[None, :n])[0] for n in range(4, count + 1, 4)]
+        widths = [intervals.relative_half_width(row[None, :n], "mean")[0] for n in range(4, count + 1, 4)]
         assert all(width > 0.3 for width in widths[:-1])
         assert widths[-1] <= 0.3 or count == 24
     all_runs = evaluation.block(changed(small, runs=24), [0, 5])
@@ -65,10 +65,27 @@ def test_a_point_ends_when_the_interval_is_narrow_and_not_before(small: study.St
         assert np.isnan(ended.runs[k, :, count:]).all()
 
 
-def test_the_interval_holds_the_mean_of_a_normal_number_in_95_of_100_cases():
-    values = np.random.default_rng(0).normal(3.0, 1.0, (4000, 5))
-    inside = np.abs(values.mean(axis=1) - 3.0) <= stopping.half_width(values)
-    assert np.mean(inside) == pytest.approx(0.95, abs=0.01)
+@pytest.mark.parametrize(
+    ("kind", "right", "held"), [("mean", 3.0, 0.95), ("median", 3.0, 0.977), ("share", 0.5, 0.923)]
+)
+def test_the_interval_holds_the_right_value_in_95_of_100_cases_as_nearly_as_ranks_and_counts_allow(
+    kind: intervals.Middle, right: float, held: float
+):
+    values = np.random.default_rng(0).normal(3.0, 1.0, (4000, 16))
+    low, high = intervals.interval((values > 3.0).astype(float) if kind == "share" else values, kind)
+    assert np.mean((low <= right) & (right <= high)) == pytest.approx(held, abs=0.01)
+
+
+def test_a_median_is_finite_if_more_than_half_of_the_runs_are():
+    times = np.array([[1.0, 2.0, np.inf, np.nan], [np.inf, 2.0, np.inf, 5.0]])
+    assert intervals.middle(times, "median").tolist() == [2.0, np.inf]
+    assert intervals.middle(times, "mean").tolist() == [np.inf, np.inf]
+
+
+def test_points_with_common_seeds_share_their_noise_and_others_do_not(small: study.Study):
+    common = changed(small, common_seeds=True)
+    assert common.seed(0, 3) == common.seed(11, 3) != common.seed(11, 2)
+    assert small.seed(0, 3) != small.seed(11, 3)
 
 
 def test_a_map_comes_from_coarse_to_fine_and_ends_with_the_values_of_the_points(small: study.Study):

@@ -94,23 +94,29 @@ def test_a_file_is_written_and_read_without_loss():
 
 
 BROKEN = {
-    'metrics = ["mo"]': "metrics: there is no mo; there are mu,",
-    'metrics = ["mu"]\nestimators = ["kf"]': "estimators: there is no kf; there are cascade,",
+    'metrics = ["mo"]': "metrics: there is no mo; did you mean mu",
+    'metrics = ["mu"]\nestimators = ["kf"]': "estimators: there is no kf; did you mean ekf? There are cascade,",
     'metrics = ["mu"]\npresets = ["nowhere"]': "nowhere: no such preset",
     'metrics = ["mu"]\nruns = 0': "runs must lie between 1 and 10000, got 0",
-    'metrics = ["mu"]\ncolour = 1': "unknown field `colour`",
-    'metrics = ["mu"]\n[stop]\nmetric = "mu"\nhalf_width = 0.1': "stop.metric must be one of the metrics of a run",
+    'metrics = ["mu"]\ncolour = 1': "there is no colour; there are version, title",
+    'metrics = ["mu"]\n[stop]\nmetric = "mu"\nhalf_width = 0.1': "stop.metric: mu is no metric of a run",
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 12': "points must be a power of two, got 12",
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 8': "a sample needs one parameter or more",
 }
 PARAMETER = 'metrics = ["mu"]\n[[parameters]]\nkind = "linear"\n'
 BROKEN |= {
-    PARAMETER + 'path = "gains.k9"\nlow = 0\nhigh = 1\ncount = 2': "parameters[0]: path gains.k9: there is no k9",
-    PARAMETER + 'path = "world.anchor.0"\nlow = 0\nhigh = 1\ncount = 2': "0 must lie between 1 and 3",
+    PARAMETER + 'path = "gains.k9"\nlow = 0\nhigh = 1\ncount = 2': "parameters.1: path gains.k9: there is no k9",
+    PARAMETER + 'path = "world.anchor.0"\nlow = 0\nhigh = 1\ncount = 2': "0 must lie between 1 and 3, or be x, y or z",
     PARAMETER + 'path = "gains.mode"\nlow = 0\nhigh = 1\ncount = 2': "gains.mode: names no number",
     PARAMETER + 'path = "seed"\nlow = 0\nhigh = 1\ncount = 2': "path must not be seed",
     PARAMETER + 'path = "time_scale"\nlow = 2\nhigh = 1\ncount = 2': "low must lie below high, got 2 and 1",
-    PARAMETER + 'path = "time_scale"\nlow = 1\nhigh = 2': "parameters[0]: count is missing; a grid needs it",
+    PARAMETER + 'path = "time_scale"\nlow = 1\nhigh = 2': "parameters.1: count is missing; a grid needs it",
+    PARAMETER + 'path = "range"\nlow = 0\nhigh = 1\ncount = 2': "there is no range; did you mean sensors.range",
+    PARAMETER + 'path = "size"\nlow = -1\nhigh = 1\ncount = 2': "parameters.1: size must be positive, got -1",
+    PARAMETER + 'path = "size"\nlow = 1\nhigh = 2\ncuont = 2': "parameters.1: there is no cuont; did you mean count",
+    PARAMETER.replace("linear", "lin") + 'path = "size"': "parameters.1.kind: there is no lin; did you mean linear",
+    PARAMETER.replace("linear", "choices") + 'path = "gains.mode"\nvalues = [1.0]': 'kind = "list" takes numbers',
+    'metrics = ["mu"]\nversion = 2': "version: must be 1, got 2",
     PARAMETER + 'path = "size"\nname = "runs"\nlow = 1\nhigh = 2\ncount = 2': "name must not be runs",
 }
 
