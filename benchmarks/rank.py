@@ -9,6 +9,7 @@ import numpy as np
 
 from rangenav.inputs import Vec3
 from rangenav.observability import gramian_rank, rows
+from rangenav.observability.cubic_fit import CUBIC
 from tests.support import precise_rank
 
 GRAVITY: Vec3 = (0.0, 0.0, 9.81)
@@ -30,9 +31,9 @@ def main() -> None:
                 of = gramian_rank.of(samples, GRAVITY, samples.weight, "start")
                 rank, exact = int(of.rank[0]), precise_rank.rank(path, GRAVITY, start, window)
                 high, low, counted = high + (rank > exact), low + (rank < exact), counted + 1
-                inside = of.singular[0, : rank - gramian_rank.CUBIC]
+                inside = of.singular[0, : rank - CUBIC]
                 least = min(least, float(inside.min(initial=np.inf)))
-                largest = max(largest, float(of.singular[0, rank - gramian_rank.CUBIC :].max(initial=0.0)))
+                largest = max(largest, float(of.singular[0, rank - CUBIC :].max(initial=0.0)))
         print(f"{window:5g} s {counted:7d} {high:10d} {low:9d} {least:19.3g} {largest:23.3g}")
 
 

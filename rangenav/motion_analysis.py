@@ -10,7 +10,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, blindness, excitation, gramian_rank, rows, spectrum
+from rangenav.observability import accuracy, blindness, excitation, gramian_rank, rows, spectrum, worst_window
 from rangenav.observability.blindness import Direction
 from rangenav.observability.continuation import continued
 from rangenav.observability.gramian_rank import Remainders
@@ -145,7 +145,7 @@ class Windows:
         """The window of least rank of the nonlinear Gramian, and then of least scaled singular value: its index, and
         the spectrum of that window alone."""
         rounding = self.lifted.rounding
-        j = spectrum.worst_of_triangles(self._local, self.window, time_powers=NONLINEAR_TIME_POWERS, rounding=rounding)
+        j = worst_window.of_triangles(self._local, self.window, time_powers=NONLINEAR_TIME_POWERS, rounding=rounding)
         return j, self._spectrum_of(self._local[[j]])
 
     @cached_property
@@ -178,7 +178,7 @@ def motion_analysis(
     """Excitation, Gramian and blind directions of so many windows, which depend on path, gravity and window only."""
     samples = path_samples(path, duration, window, count)
     start, of = samples.start, gramian_rank.of(samples, gravity, samples.weight, "start")
-    k = spectrum.worst_of_remainders(of)
+    k = worst_window.of_remainders(of)
     worst = spectrum.of_remainders(of.some(np.array([k])), rounding=samples.rounding)
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINER * (count - 1) + 1), window)
     computed = int(worst.rank[0])

@@ -16,7 +16,7 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import require
 from rangenav.motion import World
-from rangenav.observability import gramian_rank, rows, windows
+from rangenav.observability import gramian_rank, pseudoinverse, rows, windows
 from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.rows import Moment, PathSamples
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
@@ -244,10 +244,10 @@ def _lifted_weight(samples: PathSamples, count: Array, world: World, noise: floa
 
 def _lifted_sigmas(of: Remainders) -> Float[Array, "w 3"]:
     """Norms of the rows of M⁻¹R⁻¹ in each block; NaN where the null space reaches into the block."""
-    result = _norms(of, gramian_rank.inverse(of))
-    blind = gramian_rank.unseen(of, np.ones(gramian_rank.STATES))
+    result = _norms(of, pseudoinverse.of_remainders(of))
+    blind = pseudoinverse.unseen(of, np.ones(gramian_rank.STATES))
     low = np.flatnonzero(of.rank < gramian_rank.STATES)
-    unseen = gramian_rank.unseen_unknowns(blind[low])
+    unseen = pseudoinverse.unseen_unknowns(blind[low])
     reach = np.stack([np.linalg.norm(unseen[:, block], axis=1).max(axis=1) for block in NONLINEAR_BLOCKS], axis=1)
     result[low] = np.where(reach > NULL_SHARE, np.nan, result[low])
     return result

@@ -8,7 +8,8 @@ from numpy import ndarray as Array
 from rangenav.arguments import finite_array
 from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY
 from rangenav.number_format import fixed
-from rangenav.observability.gramian_rank import CUBIC, unseen_unknowns
+from rangenav.observability.cubic_fit import CUBIC
+from rangenav.observability.pseudoinverse import unseen_unknowns
 from rangenav.results import result
 from rangenav.signals import AXES
 

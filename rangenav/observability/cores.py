@@ -20,13 +20,15 @@ from rangenav.inputs import Vec3
 from rangenav.observability import (
     derivative_bounds,
     gramian_rank,
+    pseudoinverse,
     quadrature,
     quadrature_bound,
     rounding,
     rows,
     spectrum,
 )
-from rangenav.observability.gramian_rank import CUBIC, ROUNDING, SMALLEST, STATES, UNKNOWNS, Remainders
+from rangenav.observability.cubic_fit import CUBIC
+from rangenav.observability.gramian_rank import ROUNDING, SMALLEST, STATES, UNKNOWNS, Remainders
 from rangenav.progress import stop_if_unwanted
 from rangenav.signals import Signal
 
@@ -132,7 +134,7 @@ def least_singular(of: Remainders, window: float, changes: list[Float[Array, "7 
 
     ‖Φ⁻¹H⁺‖ ≤ ‖H⁺‖ + ‖E h‖, with E the norms of the blocks of Φ⁻¹ − 1 (by units) and h those of the rows of H⁺.
     """
-    inverse, least = gramian_rank.pseudoinverse(of), []
+    inverse, least = pseudoinverse.of_rows(of), []
     for unit, change in zip((window, 1.0), changes, strict=True):
         rescaled = (unit / of.window) ** spectrum.LIFTED_TIME_POWERS[:, None] * inverse
         blocks = np.split(rescaled, BLOCKS, axis=1)

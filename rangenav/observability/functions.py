@@ -12,7 +12,7 @@ from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.observability import rows, spectrum, windows
 from rangenav.observability.continuation import continued
-from rangenav.observability.gramian_rank import CUBIC
+from rangenav.observability.cubic_fit import CUBIC
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -87,7 +87,7 @@ def functions(
 def _echelon(null_basis: Float[Array, "13 m"], window: float) -> tuple[Float[Array, "m 13"], list[int]]:
     """The null space in echelon form from the last coordinate back, and the coordinate that each vector has alone."""
     if null_basis.shape[1]:
-        _, size, right = np.linalg.svd(null_basis[CUBIC:], full_matrices=False)  # see `gramian_rank.unseen_unknowns`
+        _, size, right = np.linalg.svd(null_basis[CUBIC:], full_matrices=False)  # see `pseudoinverse`
         null_basis = null_basis @ (right.T / size)
     basis = null_basis.T[:, ::-1].copy()
     own: list[int] = []

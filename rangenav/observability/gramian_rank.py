@@ -18,19 +18,18 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.observability import rows
+from rangenav.observability import cubic_fit, rows
+from rangenav.observability.cubic_fit import CUBIC, CubicFit
 from rangenav.observability.rows import Moment, PathSamples
 from rangenav.results import result
 
-CUBIC, UNKNOWNS = 4, 9
-"""Polynomials that the lifted state has whatever the motion, and its other coordinates: position, velocity, gravity."""
+UNKNOWNS = 9
+"""The other coordinates: position, velocity, gravity."""
 STATES = CUBIC + UNKNOWNS
 ROUNDING = 4 * np.finfo(float).eps
 """A column's floor in units of its size. Degenerate motions over .2 to 600 s leave a tenth of it at most."""
 SMALLEST = 1e-30
 """m: the size of a path that rests at its origin, so that its floors are not zero."""
-UNSEEN = 1e-13
-"""The least share of position, velocity and gravity in a unit vector of a null space, above its rounding."""
 TIMES_U = np.diag([(k + 1) / (2 * k + 1) for k in range(CUBIC + 1)], -1)
 TIMES_U += np.diag([k / (2 * k + 1) for k in range(1, CUBIC + 2)], 1)
 """u Lₖ = ((k + 1) Lₖ₊₁ + k Lₖ₋₁)/(2k + 1), on coefficients of L₀ … L₅."""
@@ -118,7 +117,7 @@ def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment:
     """The remainders of windows whose samples are known, with these weights of their rows."""
     turn, fall = _turn(gravity)
     turned = _turned(samples, turn)
-    fit = _fit(turned)
+    fit = cubic_fit.of(turned)
     made = ((inside, _columns(some, fit.some(inside), fall)) for inside, some in rows.parts(turned))
     R = rows.factors(turned, weight, made)
     if R.shape[1] < STATES:  # fewer rows than columns: rows of zeros tell nothing
@@ -131,7 +130,7 @@ def at_other_end(of: Remainders, samples: PathSamples, gravity: Vec3, weight: Fl
     turn, fall = _turn(gravity)
     moment: Moment = "start" if of.moment == "end" else "end"
     turned = _turned(samples, turn)
-    return _with_departure(turned, _fit(turned).cubic, of.triangle, weight, turn, fall, moment)
+    return _with_departure(turned, cubic_fit.of(turned).cubic, of.triangle, weight, turn, fall, moment)
 
 
 def _with_departure(
@@ -151,51 +150,6 @@ def _with_departure(
     return Remainders(triangle=R, floor=floor, departure=departure, turn=turn, moment=moment, window=turned.window)
 
 
-def unseen(of: Remainders, units: Float[Array, "13"]) -> Float[Array, "w 13 13"]:
-    """In the last 13 − rank columns an orthonormal basis of the changes of the state that change no range of a window.
-
-    units: of the 13 coordinates, in units of 1 m and δ.
-    """
-    basis = np.zeros_like(of.triangle)
-    for rank in np.unique(of.rank[of.rank < STATES]).tolist():
-        which = np.flatnonzero(of.rank == rank)
-        R, right = of.triangle[which], of.decomposition[2][which, rank - CUBIC :]
-        inner = right.swapaxes(1, 2) / of.floor[which, :, None]
-        outer = -np.linalg.solve(R[:, :CUBIC, :CUBIC], R[:, :CUBIC, CUBIC:] @ inner)
-        states = of.states[which] @ np.concatenate([outer, inner], axis=1)
-        basis[which, :, rank:] = np.linalg.qr(states / units[:, None])[0]
-    return basis
-
-
-def unseen_unknowns(unseen: Float[Array, "*w 13 k"]) -> Float[Array, "*w 9 k"]:
-    """An orthonormal basis of what a null space holds of position, velocity and gravity; other columns are zero.
-
-    A change of these is unseen together with one of the four polynomials' coordinates, which is 441 km² for 1 m on 300
-    s: in a basis of all 13 it hides the change. No change of the polynomials alone is unseen.
-    """
-    left, size, _ = np.linalg.svd(unseen[..., CUBIC:, :], full_matrices=False)
-    kept = np.zeros((*left.shape[:-1], unseen.shape[-1]))
-    kept[..., : left.shape[-1]] = left * (size > UNSEEN)[..., None, :]
-    return kept
-
-
-def inverse(of: Remainders) -> Float[Array, "w 9 9"]:
-    """The inverse of the remainders' triangle, where remainders that do not count are zero."""
-    inverses, counts = of.regular
-    if counts.all():
-        return inverses
-    inverses = inverses.copy()
-    inverses[~counts] = _pseudoinverse(of.some(~counts))
-    return inverses
-
-
-def _pseudoinverse(of: Remainders) -> Float[Array, "w 9 9"]:
-    left, size, right = of.decomposition
-    counts = size > 1.0
-    reciprocal = np.where(counts, 1 / np.where(counts, size, 1.0), 0.0)
-    return right.swapaxes(1, 2) @ (reciprocal[..., None] * left.swapaxes(1, 2)) / of.floor[..., None]
-
-
 def regular(of: Remainders) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
     """The inverse of the remainders' triangle of each window where it shows that all of them count, and which these
     windows are; zeros elsewhere.
@@ -209,20 +163,6 @@ def regular(of: Remainders) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
     inverses[counts] = np.linalg.inv(triangle[counts])
     counts &= np.linalg.norm(of.floor[..., None] * inverses, axis=(1, 2)) < 1.0
     return inverses, counts
-
-
-def pseudoinverse(of: Remainders) -> Float[Array, "w 13 13"]:
-    """M⁻¹R⁺, where remainders that do not count are zero."""
-    return with_inner(of, inverse(of))
-
-
-def with_inner(of: Remainders, inner: Float[Array, "w 9 9"]) -> Float[Array, "w 13 13"]:
-    """M⁻¹R⁺ where the inverse of the remainders' triangle is known."""
-    result = np.zeros_like(of.triangle)
-    outer = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC])
-    result[:, :CUBIC, :CUBIC], result[:, CUBIC:, CUBIC:] = outer, inner
-    result[:, :CUBIC, CUBIC:] = -outer @ of.triangle[:, :CUBIC, CUBIC:] @ inner
-    return of.states @ result
 
 
 @lru_cache(maxsize=2)
@@ -271,33 +211,6 @@ def _turned(samples: PathSamples, turn: Array) -> PathSamples:
     )
 
 
-@result
-class _Fit:
-    """The polynomials at the samples of some windows, and the cubic that fits each window's path."""
-
-    polynomials: Float[Array, "v 6 k"]
-    """L₀ … L₅."""
-    cubic: Float[Array, "w 4 3"]
-    """C: by Legendre's integrals, which is the best fit; any other cubic would serve, as long as it is subtracted."""
-
-    def some(self, inside: slice) -> "_Fit":
-        """That of some windows."""
-        polynomials = self.polynomials if len(self.polynomials) == 1 else self.polynomials[inside]
-        return _Fit(polynomials=polynomials, cubic=self.cubic[inside])
-
-
-@lru_cache(maxsize=2)
-def _fit(samples: PathSamples) -> _Fit:
-    """Cached by identity: spectra and accuracies of the same windows are computed from the same samples."""
-    u = 2 * samples.tau / samples.window - 1
-    values = [np.ones_like(u), u]
-    for k in range(1, CUBIC + 1):
-        values.append(((2 * k + 1) * u * values[-1] - k * values[-2]) / (k + 1))
-    polynomials, scale = np.stack(values, axis=1), (2 * np.arange(CUBIC) + 1.0)[:, None]
-    integrals = (polynomials[:, :CUBIC] * samples.weight[:, None]) @ samples.curved.swapaxes(1, 2)
-    return _Fit(polynomials=polynomials, cubic=scale * integrals)
-
-
 def _departure(samples: PathSamples, cubic: Array, fall: float, moment: Moment) -> Float[Array, "w 4 3"]:
     """K = C less the Legendre coefficients of p(t) + τ v(t) + ½τ² g."""
     K = cubic.copy()
@@ -314,7 +227,7 @@ def _times_u_twice(coefficients: Float[Array, "w 4 3"]) -> Float[Array, "w 6 3"]
     return TIMES_U_TWICE @ coefficients
 
 
-def _columns(samples: PathSamples, fit: _Fit, fall: float) -> Float[Array, "w k 13"]:
+def _columns(samples: PathSamples, fit: CubicFit, fall: float) -> Float[Array, "w k 13"]:
     """[L₀ … L₃ | P, uP + k₄L₄, u²P + d₄L₄ + d₅L₅]; L₄ and L₅ are the same at the windows' starts and ends."""
     polynomials, K = fit.polynomials, fit.cubic.copy()
     u = polynomials[:, 1]

@@ -12,7 +12,8 @@ import math
 import numpy as np
 
 from rangenav.observability import quadrature
-from rangenav.observability.gramian_rank import CUBIC, ROUNDING, STATES
+from rangenav.observability.cubic_fit import CUBIC
+from rangenav.observability.gramian_rank import ROUNDING, STATES
 from rangenav.signals import Signal, curved_part
 
 SPARE = 20

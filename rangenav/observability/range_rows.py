@@ -13,7 +13,8 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.observability.gramian_rank import CUBIC, ROUNDING, UNKNOWNS
+from rangenav.observability.cubic_fit import CUBIC
+from rangenav.observability.gramian_rank import ROUNDING, UNKNOWNS
 
 
 def columns(

@@ -2,21 +2,21 @@
 
 W = (1/δ)∫ hᵀh ds = HᵀH with H the quadrature-weighted rows, so λ = σ(H)². Forming W in double precision loses every
 eigenvalue below 1e-17 λ_max and returns negative ones; λ_min on the paper's own path is 5e-26 for δ = 0.25 s.
-The lifted rank is decided by `gramian_rank`. Small singular values are reciprocals of those of H⁺ = (I − NNᵀ) M⁻¹ R⁺,
-with N the unseen states: H itself holds them to an absolute 1e-16 of the largest alone.
+The lifted rank is decided by `gramian_rank`; small singular values are computed from the `pseudoinverse`.
 """
 
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
 from rangenav.model import STATES
-from rangenav.observability import gramian_rank, rows, windows
-from rangenav.observability.gramian_rank import CUBIC, Remainders
+from rangenav.observability import gramian_rank, pseudoinverse, rows, windows
+from rangenav.observability.cubic_fit import CUBIC
+from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -24,8 +24,6 @@ from rangenav.signals import Signal
 RANK_TOLERANCE = 1e-13
 """Singular values below this times the largest are rounding of the SVD: rows carry some tens of relative errors of
 1e-16. Remainders resolve smaller ones."""
-NEARLY = 1e-6
-"""Relative: singular values of inverses that are nearer to each other are compared by decompositions."""
 LIFTED_TIME_POWERS = np.array([0, 1, 2, 3, 0, 0, 0, 1, 1, 1, 2, 2, 2])
 NONLINEAR_TIME_POWERS = np.repeat([0, 1, 2], 3)
 """Units of the columns in powers of time; the length unit is 1 m. Fixed units, never a column's own norm."""
@@ -95,7 +93,7 @@ class LiftedSpectrum(Spectrum):
     @cached_property
     def unseen(self) -> Float[Array, "w 13 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
         """In units of 1 m and δ."""
-        return gramian_rank.unseen(self.remainders, np.ones(STATES))
+        return pseudoinverse.unseen(self.remainders, np.ones(STATES))
 
     @cached_property
     def _forward(self) -> Float[Array, "w 13 13"]:
@@ -103,20 +101,20 @@ class LiftedSpectrum(Spectrum):
 
     @cached_property
     def _inverse(self) -> Float[Array, "w 13 13"]:
-        return gramian_rank.pseudoinverse(self.remainders)
+        return pseudoinverse.of_rows(self.remainders)
 
     @cached_property
     def _in_units(self) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
         direct = np.linalg.svd(self._forward, compute_uv=False)
-        small = _reciprocals(self._inverse, self.unseen)
-        return _resolved(direct, small, _tolerance(direct, self.rounding), self.remainders)
+        small = pseudoinverse.singular_values(self._inverse, self.unseen)
+        return _resolved(direct, small, tolerance(direct, self.rounding), self.remainders)
 
     @cached_property
     def _in_si(self) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
         of = self.remainders
         units = of.window ** LIFTED_TIME_POWERS.astype(float)
         direct = np.linalg.svd(self._forward * units, compute_uv=False)
-        small = _reciprocals(self._inverse / units[:, None], gramian_rank.unseen(of, units))
+        small = pseudoinverse.singular_values(self._inverse / units[:, None], pseudoinverse.unseen(of, units))
         return _resolved(direct, small, _floor(direct, of.window, self.rounding), of)
 
 
@@ -177,8 +175,8 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
     singular = np.linalg.svd(R, compute_uv=False)
     in_units = R * window ** -time_powers.astype(float)
     scaled = np.linalg.svd(in_units, compute_uv=False)
-    tolerance = _tolerance(scaled, rounding)
-    rank = np.sum(scaled > tolerance[:, None], axis=-1)
+    least_counted = tolerance(scaled, rounding)
+    rank = np.sum(scaled > least_counted[:, None], axis=-1)
     counted, least = np.arange(R.shape[-1]) < rank[:, None], singular[np.arange(len(R)), np.maximum(rank, 1) - 1]
     floor = np.minimum(_floor(singular, window, rounding), least / 2)  # as many values lie above it as the rank says
     singular = np.where(counted, singular, np.minimum(singular, floor[:, None]))
@@ -190,7 +188,7 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
         floor=floor**2,
         scaled=scaled,
         rank=rank,
-        tolerance=tolerance,
+        tolerance=least_counted,
         unseen=unseen,
     )
 
@@ -203,12 +201,6 @@ def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
 def _floor(singular: Float[Array, "w n"], window: float, rounding: float) -> Float[Array, "w"]:
     """Singular values (SI) below it are rounding of the rows or of their SVD."""
     return np.maximum(RANK_TOLERANCE * singular[:, 0], rounding * max(1.0, window**2 / 2))
-
-
-def _reciprocals(inverse: Float[Array, "w 13 13"], unseen: Float[Array, "w 13 13"]) -> Float[Array, "w 13"]:
-    """Singular values of H⁺ = (I − NNᵀ) M⁻¹R⁺, ascending: the reciprocals of those of H, zeros first."""
-    seen = inverse - unseen @ (unseen.swapaxes(1, 2) @ inverse) if unseen.any() else inverse
-    return np.linalg.svd(seen, compute_uv=False)[:, ::-1]
 
 
 def _resolved(
@@ -238,45 +230,6 @@ def null_basis(spectrum: Spectrum, k: int) -> Float[Array, "n _"]:
     return spectrum.unseen[k, :, spectrum.rank[k] :]
 
 
-def worst(spectrum: Spectrum) -> int:
-    """The window that sees least: the lowest rank, then the smallest of the singular values that count."""
-    return _worst(spectrum.scaled, spectrum.rank)
-
-
-def worst_of_remainders(of: Remainders) -> int:
-    """The same of windows whose remainders are known. Only windows that may be the worst are decomposed."""
-    inner, counts = gramian_rank.regular(of)
-    if counts.all():
-        chosen = np.flatnonzero(_may_be_largest(gramian_rank.with_inner(of, inner)))
-    else:
-        rank = np.full(len(counts), STATES)
-        rank[~counts] = of.some(~counts).rank
-        chosen = np.flatnonzero(rank == rank.min())
-    some = of.some(chosen)
-    largest = _reciprocals(gramian_rank.pseudoinverse(some), gramian_rank.unseen(some, np.ones(STATES)))[:, -1]
-    return int(chosen[np.argmin(1 / np.maximum(largest, np.finfo(float).tiny))])
-
-
-def _may_be_largest(matrix: Float[Array, "w n n"]) -> Bool[Array, "w"]:
-    """Which matrices may have the largest singular value of all: with S = AAᵀ, |S|²/tr S ≤ σ² ≤ |S|."""
-    product = matrix @ matrix.swapaxes(1, 2)
-    size = np.linalg.norm(product, axis=(1, 2))
-    least = size * (size / np.trace(product, axis1=1, axis2=2))
-    return size >= least.max() * (1 - NEARLY)
-
-
-def worst_of_triangles(
-    R: Float[Array, "w n n"], window: float, *, time_powers: Int[Array, "n"], rounding: float
-) -> int:
-    """The same of windows whose triangles are known, at half the work of their spectra."""
-    scaled = np.linalg.svd(R * window ** -time_powers.astype(float), compute_uv=False)
-    return _worst(scaled, np.sum(scaled > _tolerance(scaled, rounding)[:, None], axis=-1))
-
-
-def _worst(scaled: Float[Array, "w n"], rank: Int[Array, "w"]) -> int:
-    last = np.take_along_axis(scaled, rank[:, None] - 1, axis=1)[:, 0]
-    return int(np.lexsort((last, rank))[0])
-
-
-def _tolerance(scaled: Float[Array, "w n"], rounding: float) -> Float[Array, "w"]:
+def tolerance(scaled: Float[Array, "w n"], rounding: float) -> Float[Array, "w"]:
+    """Scaled singular values above it count."""
     return np.maximum(RANK_TOLERANCE * scaled[:, 0], rounding)

@@ -11,7 +11,7 @@ from numpy import ndarray as Array
 
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import blindness, excitation, rows, spectrum
+from rangenav.observability import blindness, excitation, rows, spectrum, worst_window
 from rangenav.observability.blindness import Direction
 from rangenav.observability.continuation import continued
 from rangenav.observability.every_window import RankProof, rank_over_every_window
@@ -105,7 +105,7 @@ def _worst(
     """Of window k among those that start at `start`; the nonlinear ranks are those of sampled windows from [0, end]."""
     every = sampled_starts(path, window, end)
     local = spectrum.local_spectra(rows.sample(path, every, window), world.anchor)
-    j, rank = spectrum.worst(local), int(lifted.rank[k])
+    j, rank = worst_window.of_spectrum(local), int(lifted.rank[k])
     at = float(start[k])
     known = continued(path, world.gravity, at, window, end + window, rank)
     values, axes = excitation.directions(path, at, window)

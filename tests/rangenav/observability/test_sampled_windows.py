@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from rangenav import analysis, preset
 from rangenav.motion_analysis import WINDOWS, path_samples
-from rangenav.observability import excitation, gramian_rank, rows, spectrum
+from rangenav.observability import excitation, gramian_rank, rows, spectrum, worst_window
 from rangenav.preset import Preset
 from rangenav.signals import rotated
 
@@ -24,7 +24,7 @@ def test_the_worst_windows_are_those_of_all_spectra(name: str) -> None:
     samples, seen = samples_of(p), analysis.sampled(p)
     lifted = spectrum.lifted_spectra(samples, p.world.gravity)
     local = spectrum.local_spectra(samples, p.world.anchor)
-    k, j = spectrum.worst(lifted), spectrum.worst(local)
+    k, j = worst_window.of_spectrum(lifted), worst_window.of_spectrum(local)
     assert seen.gramian_at == samples.start[k]
     np.testing.assert_array_equal(seen.gramian, lifted.eigenvalues[k])
     assert (seen.floor, seen.nonlinear_at) == (lifted.floor[k], samples.start[j])
