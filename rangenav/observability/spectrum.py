@@ -29,8 +29,9 @@ NONLINEAR_TIME_POWERS = np.repeat([0, 1, 2], 3)
 """Units of the columns in powers of time; the length unit is 1 m. Fixed units, never a column's own norm."""
 
 
-class Spectrum:
-    """Singular-value results of w windows with n columns."""
+@result
+class TriangleSpectrum:
+    """Singular-value results of w windows with n columns, from triangles; computed at once."""
 
     eigenvalues: Float[Array, "w n"]
     """Of W in SI units, ascending."""
@@ -46,53 +47,41 @@ class Spectrum:
 
 
 @result
-class TriangleSpectrum(Spectrum):
-    """That of triangles, computed at once."""
-
-    eigenvalues: Float[Array, "w n"]
-    floor: Float[Array, "w"]
-    scaled: Float[Array, "w n"]
-    rank: Int[Array, "w"]
-    tolerance: Float[Array, "w"]
-    unseen: Float[Array, "w n n"]
-
-
-@result
-class LiftedSpectrum(Spectrum):
-    """That of remainders, n = 13; each system of units is decomposed when it is read first."""
+class LiftedSpectrum:
+    """The same results from remainders, n = 13. Each system of units is decomposed when it is read first."""
 
     remainders: Remainders
     rounding: float
     """The absolute rounding error of the rows of D."""
 
     @property
-    def rank(self) -> Int[Array, "w"]:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def rank(self) -> Int[Array, "w"]:
         """Of 13."""
         return self.remainders.rank
 
     @cached_property
-    def eigenvalues(self) -> Float[Array, "w 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """SI, ascending."""
+    def eigenvalues(self) -> Float[Array, "w 13"]:
+        """Of W in SI units, ascending."""
         return self._in_si[0][:, ::-1] ** 2
 
     @cached_property
-    def floor(self) -> Float[Array, "w"]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """SI."""
+    def floor(self) -> Float[Array, "w"]:
+        """Eigenvalues below this are rounding, not data."""
         return self._in_si[1] ** 2
 
     @property
-    def scaled(self) -> Float[Array, "w 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """In units of 1 m and δ, descending."""
+    def scaled(self) -> Float[Array, "w 13"]:
+        """Singular values in units L = 1 m, T = δ, descending."""
         return self._in_units[0]
 
     @property
-    def tolerance(self) -> Float[Array, "w"]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """In units of 1 m and δ."""
+    def tolerance(self) -> Float[Array, "w"]:
+        """Scaled singular values above this count."""
         return self._in_units[1]
 
     @cached_property
-    def unseen(self) -> Float[Array, "w 13 13"]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """In units of 1 m and δ."""
+    def unseen(self) -> Float[Array, "w 13 13"]:
+        """In the last 13 − rank columns an orthonormal basis of what a window does not see."""
         return pseudoinverse.unseen(self.remainders, np.ones(STATES))
 
     @cached_property
@@ -116,6 +105,10 @@ class LiftedSpectrum(Spectrum):
         direct = np.linalg.svd(self._forward * units, compute_uv=False)
         small = pseudoinverse.singular_values(self._inverse / units[:, None], pseudoinverse.unseen(of, units))
         return _resolved(direct, small, _floor(direct, of.window, self.rounding), of)
+
+
+Spectrum = TriangleSpectrum | LiftedSpectrum
+"""Singular-value results of windows, wherever they come from."""
 
 
 def window_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
