@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from explorer.model import compute as stages
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings, effective
-from rangenav import analysis, attitude, cascade, model, motion, preset, record, so3
+from rangenav import attitude, cascade, model, motion, preset, record, so3
+from rangenav.analysis import worst_windows
 from rangenav.motion import World
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Effects, Noise, Sensors
@@ -142,7 +143,7 @@ def test_a_gain_keeps_the_windows_of_a_picture_at_rest_and_a_path_does_not():
 
 def forget():
     """Empty every cache, as in a new process."""
-    for module in (stages, analysis, motion, record):
+    for module in (stages, worst_windows, motion, record):
         for function in vars(module).values():
             if hasattr(function, "cache_clear"):
                 function.cache_clear()
