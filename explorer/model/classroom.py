@@ -200,5 +200,5 @@ def chosen_name(text: str) -> str:
     """A name as it was typed, on one line. Raises ValueError if it is too long."""
     name: str = " ".join("".join(c if c.isprintable() else " " for c in text).split())
     if len(name) > MAX_NAME:
-        raise ValueError(f"your name in the class: at most {MAX_NAME} characters, got {len(name)}")
+        raise ValueError(f"your name: at most {MAX_NAME} characters, got {len(name)}")
     return name

@@ -92,9 +92,9 @@ def _weight(session: Session) -> float:
 
 def test_only_the_teacher_has_the_invitation_and_sees_who_is_there(one_class: Class) -> None:
     one_class.teacher.wait_for(lambda: "<svg" in one_class.teacher.text(), "the QR code")
-    name = one_class.student.value("your name in the class")
+    name = one_class.student.value("your name")
     one_class.teacher.wait_for_text(name)
-    one_class.student.set("your name in the class", "<b>Ada</b>")
+    one_class.student.set("your name", "<b>Ada</b>")
     one_class.teacher.wait_for_text("&lt;b&gt;Ada&lt;/b&gt;")
     for label in ("Present my page", "New code and link", "Results as CSV"):
         one_class.teacher.find(label)

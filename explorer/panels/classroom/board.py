@@ -111,10 +111,10 @@ def _place(member: Member) -> str:
 
 def _bars(counted: Mapping[str, int], students: int) -> str:
     """A bar for each prediction, and how many of the students have committed one."""
-    most = max(counted.values(), default=0)
+    made = sum(counted.values())
     escaped = {html.escape(prediction): count for prediction, count in counted.items()}
-    bars = [BAR.format(prediction, most, count, prediction, count) for prediction, count in escaped.items()]
-    return BARS.format(f"{sum(counted.values())} of {students} have predicted.", "".join(bars))
+    bars = [BAR.format(prediction, made, count, prediction, count) for prediction, count in escaped.items()]
+    return BARS.format(f"{made} of {students} have predicted.", "".join(bars))
 
 
 def _show(handle: viser.GuiHtmlHandle, content: str) -> None:

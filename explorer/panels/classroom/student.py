@@ -12,7 +12,7 @@ from explorer.widgets.controls import Text
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
 
-NAME = "your name in the class"
+NAME = "your name"
 NAME_HINT = "Only your teacher sees it, with where you are in the lessons and what you predicted, until the class ends."
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="class-{}">{}</button>'
 BAR = '<div class="rn-class" {}><span>{}</span>{}</div>'
