@@ -25,9 +25,9 @@ def status_line(picture: Picture, time: float) -> str:
     anchor_distance, position_error = (
         f"{significant(round(length, ROUND_OFF_DIGITS))} m" for length in (distance, float(errors.position[k]))
     )
-    off = f"off by <b>{position_error}</b>, <b>{significant(float(np.degrees(errors.attitude[k])))}°</b>"
+    error = f"error <b>{position_error}</b>, <b>{significant(float(np.degrees(errors.attitude[k])))}°</b>"
     away = f'<span class="rn-distance">{anchor_distance} from the anchor · </span>'
-    return f'<span class="rn-wide"><b>{time:.2f} s</b> · {away}estimate </span>{off}'
+    return f'<span class="rn-wide"><b>{time:.2f} s</b> · {away}estimate’s </span>{error}'
 
 
 def window_at(picture: Picture, time: float) -> tuple[float, float]:

@@ -32,7 +32,7 @@ WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
 """Start and length of the window at the cursor, as shares of the duration: a band over every plot."""
 BRUSH_FROM, BRUSH_SPAN = "--rn-brush-from", "--rn-brush-span"
 """The same for a new window while it is drawn with the mouse (set by pointer.py)."""
-STYLE = f"""<style>
+STYLE = f"""
 .rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: calc(12px * var(--rn-scale, 1));
   line-height: 1.35; }}
 .rn-plot details {{ padding: 0 {MARGIN}px; }}
@@ -73,7 +73,8 @@ STYLE = f"""<style>
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
 .rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
 .rn-seconds {{ position: absolute; font-size: calc(12px * var(--rn-scale, 1)); opacity: .65; }}
-</style>"""
+"""
+"""The rules of all plots, for the style sheet of the page: in each plot they would be stored and sent again."""
 
 
 EXPAND = (
@@ -139,7 +140,7 @@ def header(
     )
     reason = f'<div class="rn-empty"><span>{escape(empty)}</span></div>' if empty else ""
     return (
-        f'{STYLE}<div class="rn-plot" data-plot="{plot.name}">{expand}<details>'
+        f'<div class="rn-plot" data-plot="{plot.name}">{expand}<details>'
         f'<summary><div class="rn-title">{title}</div></summary>'
         f'<div class="rn-definition">{equation}{plot.definition.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'

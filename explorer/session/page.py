@@ -9,7 +9,7 @@ from functools import partial
 
 import viser
 
-from explorer.charts import GROUP_TITLES, Charts
+from explorer.charts import GROUP_TITLES, Charts, markup
 from explorer.charts.plot_size import plot_size
 from explorer.model.glossary import COMPARE
 from explorer.model.history import History
@@ -64,7 +64,7 @@ class VisitorPage:
         client, shared = self._client, self._shared
         set_theme(client, dark=False)
         client.gui.set_panel_label("rangenav")
-        self.door = Door(client, self._wake, welcome=self._is_welcomed)
+        self.door = Door(client, self._wake, welcome=self._is_welcomed, style=markup.STYLE)
         self._actions = self._session_actions()
         self.dock = Dock(self.form, self.catalog, shared.first, self._actions, self.jobs, self.history)
         if disconnected():

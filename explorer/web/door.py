@@ -73,9 +73,11 @@ class Window:
 class Door:
     """The hidden box of one visitor."""
 
-    def __init__(self, client: viser.ClientHandle, wake: Callable[[], None], *, welcome: bool = True) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, wake: Callable[[], None], *, welcome: bool = True, style: str = ""
+    ) -> None:
         """`wake` is called from viser's threads when something was reported. `welcome`: whether a new visitor is
-        welcomed with a card."""
+        welcomed with a card. `style`: rules (CSS) that follow those of page.css."""
         self._client, self._wake, self._lock = client, wake, threading.Lock()
         self._window: Window | None = None
         self._events: deque[str] = deque(maxlen=MAX_EVENTS)
@@ -83,7 +85,7 @@ class Door:
         client.gui.add_html(MARK)
         self._box = client.gui.add_text(LABEL, "")
         self._box.on_update(lambda _: self.receive(self._box.value))
-        run_script(client, script(welcome=welcome))
+        run_script(client, script(welcome=welcome, style=style))
 
     @property
     def window(self) -> Window | None:
@@ -139,13 +141,13 @@ def mark_answered(client: viser.ClientHandle) -> None:
     run_script(client, "window.rnPage.markAnswered()")
 
 
-def script(*, welcome: bool) -> str:
-    """The script that the browser runs, with the style sheet in it."""
-    style = COLORS + (FOLDER / "page.css").read_text(encoding="utf-8")
+def script(*, welcome: bool, style: str = "") -> str:
+    """The script that the browser runs, with the style sheet in it: page.css, and then `style`."""
+    sheet = COLORS + (FOLDER / "page.css").read_text(encoding="utf-8") + style
     return (
         (FOLDER / "page.js")
         .read_text(encoding="utf-8")
-        .replace("STYLE_SHEET", json.dumps(style))
+        .replace("STYLE_SHEET", json.dumps(sheet))
         .replace("SKIP_WELCOME", json.dumps(not welcome))
     )
 

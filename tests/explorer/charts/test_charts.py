@@ -308,7 +308,7 @@ def test_cursor_is_one_small_message_and_the_values_there_are_another(page: Page
     k = int(np.argmin(np.abs(example.motion.time - 5.0)))
     shown_error = significant(example.errors.position[k])
     assert f'--position-0:"{shown_error}"' in text
-    assert f"off by <b>{shown_error} m</b>" in text
+    assert f"error <b>{shown_error} m</b>" in text
     distance = float(np.linalg.norm(example.motion.position[k] - example.preset.world.anchor))
     assert f"{significant(distance)} m from the anchor" in text
 

@@ -255,7 +255,7 @@ def tab() -> Iterator[Wire]:
     SessionServer(server, shared(server, compilation))
     compilation.start()
     visitor = Wire(server.get_port())
-    visitor.wait_for_text("off by")
+    visitor.wait_for_text("estimate’s")
     yield visitor
     visitor.close()
     server.stop()
