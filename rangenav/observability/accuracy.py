@@ -16,22 +16,18 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import require
 from rangenav.motion import World
-from rangenav.observability import gramian_rank, pseudoinverse, rows, windows
+from rangenav.observability import block_sigmas, gramian_rank, rows, windows
 from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.rows import Moment, PathSamples
-from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
+from rangenav.observability.spectrum import NONLINEAR_TIME_POWERS
 from rangenav.results import result
 from rangenav.signals import Signal
 
 LEAST_RANGES = 4
 """Fewer do not even determine the cubics that the lifted state has whatever the motion."""
-NULL_SHARE = 1e-6
-"""A block whose part of every null vector is shorter than this is determined, although the whole state is not."""
 NEAREST = 1e-9
 """m; nearer to the anchor a range has no direction: its row is zero."""
 Problem = Literal["lifted", "nonlinear"]
-LIFTED_BLOCKS = (slice(4, 7), slice(7, 10), slice(10, 13))
-NONLINEAR_BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +126,7 @@ class FourAccuracies:
         return np.full(self.samples.tau.shape, self.share)
 
     def _lifted(self, of: Remainders) -> Accuracy:
-        return _accuracy(_lifted_sigmas(of) * (1.0 if self.sigma > 0 else 0.0))
+        return _accuracy(block_sigmas.of_remainders(of) * (1.0 if self.sigma > 0 else 0.0))
 
     def _nonlinear(self, at: Moment) -> Accuracy:
         if self.samples is None:
@@ -202,9 +198,9 @@ def along(
         return sigmas(samples, count, world, sigma=sigma, kind=kind, at="end")
     of = gramian_rank.of(samples, world.gravity, _lifted_weight(samples, count, world, _noise(sigma)), "end")
     inner, counts = gramian_rank.regular(of)
-    result = _norms(of, inner)
+    result = block_sigmas.row_norms(of, inner)
     if not counts.all():
-        result[~counts] = _lifted_sigmas(of.some(~counts))
+        result[~counts] = block_sigmas.of_remainders(of.some(~counts))
     return result if sigma > 0 else result * 0.0
 
 
@@ -216,7 +212,7 @@ def sigmas(
         return np.full((len(samples.start), 3), np.nan)
     noise = _noise(sigma)
     if kind == "lifted":
-        result = _lifted_sigmas(
+        result = block_sigmas.of_remainders(
             gramian_rank.of(samples, world.gravity, _lifted_weight(samples, count, world, noise), at)
         )
     else:
@@ -224,7 +220,7 @@ def sigmas(
         near = distance2 < NEAREST**2
         weight = np.where(near, 0.0, count / (np.where(near, 1.0, distance2) * noise**2))
         R = rows.triangles(samples, weight, lambda part: rows.nonlinear_of(part, world.anchor, at))
-        result = _block_sigmas(R, samples.window ** -NONLINEAR_TIME_POWERS.astype(float), NONLINEAR_BLOCKS)
+        result = block_sigmas.of_triangles(R, samples.window ** -NONLINEAR_TIME_POWERS.astype(float))
     return result if sigma > 0 else result * 0.0
 
 
@@ -240,57 +236,3 @@ def _squared_distance(samples: PathSamples, world: World) -> Float[Array, "w k"]
 def _lifted_weight(samples: PathSamples, count: Array, world: World, noise: float) -> Float[Array, "w k"]:
     """1/var y of each range."""
     return count / (_squared_distance(samples, world) * noise**2 + noise**4 / 2)
-
-
-def _lifted_sigmas(of: Remainders) -> Float[Array, "w 3"]:
-    """Norms of the rows of M⁻¹R⁻¹ in each block; NaN where the null space reaches into the block."""
-    result = _norms(of, pseudoinverse.of_remainders(of))
-    blind = pseudoinverse.unseen(of, np.ones(gramian_rank.STATES))
-    low = np.flatnonzero(of.rank < gramian_rank.STATES)
-    unseen = pseudoinverse.unseen_unknowns(blind[low])
-    reach = np.stack([np.linalg.norm(unseen[:, block], axis=1).max(axis=1) for block in NONLINEAR_BLOCKS], axis=1)
-    result[low] = np.where(reach > NULL_SHARE, np.nan, result[low])
-    return result
-
-
-def _norms(of: Remainders, inner: Float[Array, "w 9 9"]) -> Float[Array, "w 3"]:
-    """Norms of the rows of M⁻¹R⁻¹ in each block, in SI units; `inner` is the inverse of the remainders' triangle."""
-    units = of.window ** LIFTED_TIME_POWERS[LIFTED_BLOCKS[0].start :].astype(float)
-    variance = np.sum((of.unknown_states @ inner) ** 2, axis=2) / units**2
-    return np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in NONLINEAR_BLOCKS], axis=1))
-
-
-def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
-    """Norms of the rows of S R⁻¹ in each block; for windows that may be blind, from singular vectors instead.
-
-    Where 1/|R⁻¹| exceeds the tolerance times |R|, every singular value counts. The inverse of a triangle takes a tenth
-    of the time of its singular value decomposition.
-    """
-    missing = R.shape[-1] - R.shape[-2]  # fewer ranges than unknowns: rows of zeros add no information
-    R = (np.pad(R, ((0, 0), (0, missing), (0, 0))) if missing > 0 else R) * scale
-    size = np.linalg.norm(R, axis=(1, 2))
-    regular = np.abs(np.diagonal(R, axis1=1, axis2=2)).min(axis=1) > RANK_TOLERANCE * size
-    result = np.empty((len(R), len(blocks)))
-    with np.errstate(over="ignore", invalid="ignore"):
-        inverse = np.linalg.inv(R[regular])
-        determined = np.linalg.norm(inverse, axis=(1, 2)) * RANK_TOLERANCE * size[regular] < 1
-        variance = np.einsum("wij,wij->wi", inverse, inverse) * scale**2
-    result[regular] = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in blocks], axis=1))
-    regular[regular] = determined
-    if not regular.all():
-        result[~regular] = _determined_sigmas(R[~regular], scale, blocks)
-    return result
-
-
-def _determined_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
-    """Row norms of S V Σ⁻¹ over each block; NaN where the null space reaches into the block."""
-    _, singular, right = np.linalg.svd(R)
-    determined = singular > RANK_TOLERANCE * singular[:, :1]
-    inverse = np.where(determined, 1 / np.where(determined, singular, 1.0), 0.0)
-    result = np.empty((len(R), len(blocks)))
-    for j, block in enumerate(blocks):
-        part = right[:, :, block]
-        undetermined = np.max(np.linalg.norm(part, axis=-1) * ~determined, axis=-1) > NULL_SHARE
-        trace = np.sum((part * scale[block] * inverse[:, :, None]) ** 2, axis=(1, 2))
-        result[:, j] = np.where(undetermined, np.nan, np.sqrt(trace))
-    return result
