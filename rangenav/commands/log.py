@@ -25,6 +25,9 @@ from rangenav.inputs import Vec3, require, require_within
 from rangenav.preset import MAX_DURATION
 
 if TYPE_CHECKING:
+    from rangenav.formats.recorded_flight import Flight
+    from rangenav.motion import World
+
     FormatName = str
 else:
     FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
@@ -90,15 +93,10 @@ def log(
     from rangenav.commands import log_inputs
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
-    from rangenav.flight_summary import failure, ranges_source, summarise_observer, summarise_windows
+    from rangenav.flight_summary import ranges_source, summarise_windows
 
     vectors = log_inputs.world_vectors(world, gravity, magnetic)
-    require_within("--range-sigma", range_sigma, *log_inputs.RANGE_SIGMA, "m")
-    require_within("--window", window, *WINDOW, "s")
-    require(position_sigma > 0, f"--position-sigma must be positive, got {position_sigma:g}")
-    require(seed >= 0, f"--seed must not be negative, got {seed}")
-    if synthetic_ranges is not None:
-        require_within("--synthetic-ranges", synthetic_ranges, *log_inputs.RANGE_SIGMA, "m")
+    _check_numbers(range_sigma, window, position_sigma, seed, synthetic_ranges)
     format_name = from_ or _format(file)
     if list_columns:
         return _list_columns(file, format_name, answers.confirm(), json=json)
@@ -128,17 +126,43 @@ def log(
     )
     if len(flight.range) and world_model is not None:
         with working(f"running the observers on {imported.source}"):
-            observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
-        report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
-        summary = summarise_observer(observed)
-        failed = failure(summary, position_sigma)
-        report["observer"] = observer_report(summary, blind=whole.blind, failure=failed)
+            report |= _observer(flight, world_model, range_sigma, position_sigma, blind=whole.blind)
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:
         return print_json(report)
     known = {"has_truth": flight.position is not None, "required": position_sigma}
     return layout.show(text.report(report, whole=whole, file=str(file), options=typed, **known))
+
+
+def _check_numbers(
+    range_sigma: float, window: float, position_sigma: float, seed: int, synthetic_ranges: float | None
+) -> None:
+    """Raises ValueError, by the option, for a number that is out of range."""
+    from rangenav.commands.log_inputs import RANGE_SIGMA
+
+    require_within("--range-sigma", range_sigma, *RANGE_SIGMA, "m")
+    require_within("--window", window, *WINDOW, "s")
+    require(position_sigma > 0, f"--position-sigma must be positive, got {position_sigma:g}")
+    require(seed >= 0, f"--seed must not be negative, got {seed}")
+    if synthetic_ranges is not None:
+        require_within("--synthetic-ranges", synthetic_ranges, *RANGE_SIGMA, "m")
+
+
+def _observer(
+    flight: "Flight", world: "World", range_sigma: float, position_sigma: float, *, blind: bool
+) -> dict[str, Any]:
+    """What the observers estimate from the ranges of a flight, and the world that they assume."""
+    from rangenav import logs
+    from rangenav.flight_summary import failure, summarise_observer
+
+    observed = logs.observe(flight, world, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
+    summary = summarise_observer(observed)
+    failed = failure(summary, position_sigma)
+    return {
+        "world": {name: list(getattr(world, name)) for name in ("gravity", "magnetic", "anchor")},
+        "observer": observer_report(summary, blind=blind, failure=failed),
+    }
 
 
 def _list_columns(file: Path, format_name: str, confirm: Mapping[str, str], *, json: bool) -> None:
