@@ -10,7 +10,7 @@ import msgspec
 
 from rangenav import continuity, provenance, signals
 from rangenav import preset as presets
-from rangenav.certificate import remedy
+from rangenav.certificate import remedy, tone_search
 from rangenav.certificate.certify import certify
 from rangenav.certificate.schema import Certificate
 from rangenav.observability.derivative_bounds import UnboundedDerivativeError
@@ -37,7 +37,7 @@ def change(preset: Preset) -> str | None:
 def _tones(preset: Preset, issued: Certificate) -> str | None:
     if all(one.met for one in issued.checks if one.name in ("excitation", "rank", "accuracy")):
         return None  # what is missed is the vehicle's, which more motion does not help
-    added = remedy.smallest_tones(preset, issued.excitation.at)
+    added = tone_search.smallest_tones(preset, issued.excitation.at)
     return f"add {remedy.described(added)}" if added is not None and _certificate(added.preset).meets else None
 
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import msgspec
 
 from rangenav import formats, provenance, signals
-from rangenav.certificate import certified_export, exports, remedy
+from rangenav.certificate import certified_export, exports, remedy, tone_search
 from rangenav.certificate.certified_export import RefusedExportError
 from rangenav.certificate.figures import figures, shortfall
-from rangenav.certificate.remedy import upwards
+from rangenav.certificate.tone_search import upwards
 from rangenav.formats import ExportOptions, hover_ramps
 from rangenav.inputs import require
 from rangenav.preset import MAX_DURATION, Preset
@@ -69,7 +69,7 @@ def _candidates(refused: RefusedExportError) -> Iterator[Cure]:
     if missed & {"excitation", "rank", "accuracy"}:
         yield from (cure(f"set δ to {w:.3g} s", changed, f"--window {w:.6g}") for w, changed in _windows(preset))
         at = exports.certificate_of(preset).excitation.at
-        added = None if "vehicle" in missed else remedy.smallest_tones(preset, at)
+        added = None if "vehicle" in missed else tone_search.smallest_tones(preset, at)
         if added is not None:
             design = msgspec.structs.replace(added.preset, expect="observable")
             repairing = f"repair NAME --by tones --export {format_name} -o NEW.toml"

@@ -11,7 +11,8 @@ raises CancelledError (`rangenav.progress`).
 from rangenav.ensemble.achieved import Achieved, achieved
 from rangenav.ensemble.basin import Basin, basin, sphere
 from rangenav.ensemble.pool import each, refuse_work
-from rangenav.ensemble.runs import Band, Ensemble, Spread, seeds, spread, starts
+from rangenav.ensemble.runs import seeds, spread, starts
+from rangenav.ensemble.values import Band, Ensemble, Spread
 
 __all__ = [
     "Achieved",

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.analysis import Analysis
-from rangenav.ensemble.runs import Ensemble
+from rangenav.ensemble.values import Ensemble
 from rangenav.results import result
 
 

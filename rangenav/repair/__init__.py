@@ -14,7 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import provenance
-from rangenav.certificate import Certificate, remedy
+from rangenav.certificate import Certificate, tone_search
 from rangenav.certificate.figures import figures
 from rangenav.inputs import require
 from rangenav.observability import blindness
@@ -154,7 +154,7 @@ def _kept(after: Preset, limited: Preset) -> bool:
 
 
 def _budget(preset: Preset, evaluations: int, progress: Progress, cancelled: Cancelled) -> Budget:
-    work = remedy.WORK_PER_TRY + remedy.WORK_PER_OPERATION * preset.path.operations()
+    work = tone_search.WORK_PER_TRY + tone_search.WORK_PER_OPERATION * preset.path.operations()
     most = min(evaluations, int(WORK / work))
     return Budget(total=most, most=most, progress=progress, cancelled=cancelled)
 
@@ -204,11 +204,11 @@ def _refuse_unjudged(preset: Preset, by: ChangeKind, before: Certificate) -> Non
 def _changes(preset: Preset, by: ChangeKind, at: float, budget: Budget, *, repeats: bool) -> Iterator[Change]:
     """The ways of one kind to try, the simplest first. repeats: whether added tones keep the path's own period."""
     if by == "tones":
-        added = remedy.smallest_tones(preset, at, tries=_spent(budget), repeats=repeats)
+        added = tone_search.smallest_tones(preset, at, tries=_spent(budget), repeats=repeats)
         if added is not None:
             yield tones.searched_tones(preset, added)
     elif by == "waypoints":
-        for directions in remedy.directions(preset, at):
+        for directions in tone_search.directions(preset, at):
             yield path_changes.waypoints(preset, directions)
     if by != "waypoints":
         yield _wide(preset, by, repeats=repeats)

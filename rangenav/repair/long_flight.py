@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.certificate import remedy
+from rangenav.certificate import tone_search
 from rangenav.certificate.figures import figures
 from rangenav.observability.derivative_bounds import UnboundedDerivativeError
 from rangenav.preset import Preset
@@ -48,9 +48,9 @@ def certified_tones(
 ) -> tuple[Change, Float[Array, "n"]] | None:
     """The change and its θ with the smallest of the sizes that a certificate confirms; None if none is confirmed."""
     repeats = target is not None
-    change, spread = tones.free_tones(preset, repeats=repeats), remedy.WHOLE if repeats else remedy.SPREAD
+    change, spread = tones.free_tones(preset, repeats=repeats), tone_search.WHOLE if repeats else tone_search.SPREAD
     for size in SIZES:
-        for pace in remedy.candidates(preset, repeats=repeats)[:PACES]:
+        for pace in tone_search.candidates(preset, repeats=repeats)[:PACES]:
             budget.spend()
             frequencies = pace * np.array(spread)
             theta = change.rounded(np.concatenate([size * frequencies**2, frequencies, np.zeros(3)]))

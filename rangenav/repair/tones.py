@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy import ndarray as Array
 
-from rangenav.certificate import remedy
-from rangenav.certificate.remedy import STANDARD_GRAVITY, Added, upwards, with_tones
+from rangenav.certificate import tone_search
+from rangenav.certificate.tone_search import STANDARD_GRAVITY, Added, upwards, with_tones
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.repair.change import Change, with_path
@@ -55,7 +55,7 @@ def searched_tones(preset: Preset, added: Added) -> Change:
 
 def free_tones(preset: Preset, *, repeats: bool = False) -> Change:
     """One free tone for each axis; θ = (accelerations, frequencies, phases). repeats: they keep the path's period."""
-    candidates = remedy.candidates(preset, repeats=repeats)
+    candidates = tone_search.candidates(preset, repeats=repeats)
     slowest, fastest = 0.5 * candidates[0], 1.5 * candidates[-1]
     period = preset.path.period
     # half the fundamental: what repeats still repeats, in two periods at most
@@ -72,7 +72,7 @@ def free_tones(preset: Preset, *, repeats: bool = False) -> Change:
         )
 
     def kept_tones(theta: Array) -> tuple[Tone, ...]:
-        return tuple(tone for tone in added_tones(theta) if tone.amplitude >= remedy.LEAST_AMPLITUDE)
+        return tuple(tone for tone in added_tones(theta) if tone.amplitude >= tone_search.LEAST_AMPLITUDE)
 
     def effort(theta: Array) -> float:
         return math.hypot(*(tone.amplitude * (1 + tone.frequency**2 / STANDARD_GRAVITY) for tone in added_tones(theta)))

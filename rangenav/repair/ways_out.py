@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rangenav.certificate import cures, remedy
+from rangenav.certificate import cures, remedy, tone_search
 from rangenav.certificate.figures import demanded
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
@@ -39,12 +39,12 @@ def ways_out(preset: Preset, by: ChangeKind, reason: str, at: float) -> CannotRe
     return CannotRepairError(f"{reason}; {advice}", ways=ways, window=tried)
 
 
-def _with_window(preset: Preset, window: float, at: float) -> remedy.Added | None:
+def _with_window(preset: Preset, window: float, at: float) -> tone_search.Added | None:
     """The tones with which another window (s) meets every requirement, as their certificate says; None if none do, or
     if the flight is too short for that window.
     """
     try:
-        added = remedy.smallest_tones(cures.with_window(preset, window), at, tries=iter(range(TRIES)))
+        added = tone_search.smallest_tones(cures.with_window(preset, window), at, tries=iter(range(TRIES)))
         return added if added is not None and certificate_of(added.preset).meets else None
     except ValueError:
         return None

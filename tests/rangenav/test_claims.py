@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from rangenav import analysis, certificate, preset, sensors, verdict, window_text
-from rangenav.certificate import Certificate, advice, remedy, requirements, sections
+from rangenav.certificate import Certificate, advice, requirements, sections, tone_search
 from rangenav.certificate.figures import figures, shortfall
 from rangenav.commands.text.certificates import coverage
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, worst_excitation
@@ -169,13 +169,15 @@ def test_a_change_is_named_only_if_its_certificate_misses_nothing(monkeypatch: p
     said = advice.change(circle)
     assert said is not None
     assert said.startswith("add for example a tone of ")
-    smallest = remedy.smallest_tones
+    smallest = tone_search.smallest_tones
 
     def half(p: Preset, at: float):
         added = smallest(p, at)
-        return None if added is None else remedy.attempt(p, added.directions, added.frequencies, added.amplitude / 2)
+        return (
+            None if added is None else tone_search.attempt(p, added.directions, added.frequencies, added.amplitude / 2)
+        )
 
-    monkeypatch.setattr(remedy, "smallest_tones", half)
+    monkeypatch.setattr(tone_search, "smallest_tones", half)
     advice.change.cache_clear()
     assert advice.change(circle) is None
     advice.change.cache_clear()

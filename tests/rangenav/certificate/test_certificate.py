@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from rangenav import analysis, certificate, motion, preset
 from rangenav.certificate import encoding, exports, schema
-from rangenav.certificate.remedy import with_tones
 from rangenav.certificate.schema import Certificate, Loop
+from rangenav.certificate.tone_search import with_tones
 from rangenav.motion import World
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Formula, Multisine, Piece, Polynomials, Sum, Tone

@@ -9,7 +9,7 @@ import pytest
 
 from rangenav import certificate, preset, repair, signals
 from rangenav.certificate.figures import figures, shortfall
-from rangenav.certificate.remedy import with_tones
+from rangenav.certificate.tone_search import with_tones
 from rangenav.preset import Preset, Requirement
 from rangenav.progress import CancelledError
 from rangenav.repair import CannotRepairError
