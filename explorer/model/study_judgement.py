@@ -28,28 +28,32 @@ class Judged:
     """What a map says in numbers."""
 
     best: Cell | None
-    """The best cell that the vehicle can fly, or the best of all if it can fly none; None if no cell has a value."""
+    """The best cell that the vehicle can fly, or the best of all if it can fly none; of equal ones the nearest to the
+    present design. None if no cell has a value."""
+    equal: int
+    """How many cells are as good."""
     meeting: float | None
     """The share of the computed cells that meet the bound and keep the vehicle's limits; None without a bound."""
     flyable: float | None
     """The share of the computed cells that keep the vehicle's limits; None if that was not computed."""
 
 
-def judged(of: StudyMap, metric: str, bound: Bound | None) -> Judged:
-    """The best cell and the shares, of the cells that are computed."""
+def judged(of: StudyMap, metric: str, bound: Bound | None, present: tuple[float, float] | None = None) -> Judged:
+    """The best cell and the shares, of the cells that are computed. present: the design on the page, in indices."""
     count = int(of.computed.sum())
     can_fly = of.values[FLYABLE] == 1.0 if FLYABLE in of.values else None
     if count == 0:
-        return Judged(None, None, None)
+        return Judged(None, 0, None, None)
     good = of.computed if can_fly is None else of.computed & can_fly
     meeting = None if bound is None else int((good & bound.met(of.values[metric])).sum()) / count
     flyable = None if can_fly is None else int((of.computed & can_fly).sum()) / count
-    return Judged(_best(of, metric, good), meeting, flyable)
+    return Judged(*_best(of, metric, good, present), meeting, flyable)
 
 
 def shares(of: StudyMap, metric: str) -> tuple[Float[Array, "n m"], tuple[float, float] | None]:
     """Where the values lie on the scale of colours, 0 at its light end and 1 at its dark one, NaN without a value; and
-    the values at both ends, None if no value is finite. A value beyond the ends has the colour of the end."""
+    the values at both ends, None if no value is finite. A value beyond the ends has the colour of the end; a scale by
+    powers of ten ends with the cells that keep the vehicle's limits."""
     values = of.filled(metric)
     worst = 1.0 if METRICS[metric].better == "more" else -1.0
     log = _log(metric, values)
@@ -58,6 +62,9 @@ def shares(of: StudyMap, metric: str) -> tuple[Float[Array, "n m"], tuple[float,
     finite = scaled[np.isfinite(scaled)]
     if not len(finite):
         return np.where(np.isnan(values), np.nan, 1.0), None
+    can_fly = scaled[~not_flyable(of) & np.isfinite(scaled)]
+    if log and len(can_fly):  # the best of what nobody can fly would push all else to the dark end
+        finite = can_fly
     low, high = float(finite.min()), float(finite.max())
     if log and high - low > DECADES:
         low, high = (high - DECADES, high) if worst > 0 else (low, low + DECADES)
@@ -110,13 +117,18 @@ def _log(metric: str, values: Array) -> bool:
     return metric in LOGARITHMIC and bool(np.any(values[np.isfinite(values)] > 0))
 
 
-def _best(of: StudyMap, metric: str, good: Bool[Array, "n m"]) -> Cell | None:
+def _best(
+    of: StudyMap, metric: str, good: Bool[Array, "n m"], present: tuple[float, float] | None
+) -> tuple[Cell | None, int]:
+    """The best cell, and how many are as good."""
     values = of.values[metric]
     for among in (good, of.computed):
         usable = among & np.isfinite(values)
         if usable.any():
             away = np.abs(np.log(np.maximum(values, 1e-300))) if METRICS[metric].better == "neither" else values
-            away = -away if METRICS[metric].better == "more" else away
-            i, j = np.unravel_index(int(np.argmin(np.where(usable, away, np.inf))), values.shape)
-            return int(i), int(j)
-    return None
+            away = np.where(usable, -away if METRICS[metric].better == "more" else away, np.inf)
+            equal = np.argwhere(away == away.min())
+            steps = np.zeros(len(equal)) if present is None else np.sum((equal - np.array(present)) ** 2, axis=1)
+            i, j = equal[int(np.argmin(steps))].tolist()
+            return (i, j), len(equal)
+    return None, 0

@@ -60,7 +60,7 @@ READY = (
     Ready(
         "gains",
         "Which gains?",
-        "Maps the steady error over q and k1; the menu of metrics also shows the settling times.",
+        "Maps the steady error over q and k1; the menu of metrics also has settling times and the share that settles.",
         ("gains.riccati.q", "gains.attitude.k1"),
         "steady_position",
         count=17,

@@ -86,6 +86,7 @@ class _Log:
 
     def __exit__(self, *_: object) -> None:
         self._ended.set()
+        self._thread.join()
 
     def _write(self) -> None:
         began = time.monotonic()

@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Bool, Float, Shaped
+from jaxtyping import Bool, Float, Int, Shaped
 from numpy import ndarray as Array
 
 from rangenav.inputs import require
@@ -52,7 +52,7 @@ class StudyMap:
         step = 2 * COARSEST
         while step > 1:
             step //= 2
-            rows, columns = (np.arange(length) // step * step for length in known.shape)
+            rows, columns = (_nearest(length, step) for length in known.shape)
             at = np.ix_(rows, columns)
             take = ~known & self.computed[at]
             values[take] = self.values[metric][at][take]
@@ -100,6 +100,11 @@ def coarse_to_fine(
         complete = step
         yield now()
         last = time.monotonic()
+
+
+def _nearest(length: int, step: int) -> Int[Array, "n"]:
+    """Of each index along an axis the nearest one of a level."""
+    return np.minimum((np.arange(length) + step // 2) // step, (length - 1) // step) * step
 
 
 def _refuse(study: Study) -> None:

@@ -36,7 +36,8 @@ STUDIES = {
     ),
     "seeds per point": Term(
         label="seeds per point",
-        meaning="Runs with different noise at each point, whose mean is shown.",
+        meaning="Runs with different noise at each point, the same ones at all points; the map shows their mean, of a "
+        "settling time their median, and of a yes or no the share that says yes.",
         advice="Only errors and settling times need runs.",
     ),
     "share": Term(

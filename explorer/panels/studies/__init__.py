@@ -185,7 +185,9 @@ class StudiesPanel:
         names = study_axes.candidate(base, axes[0].path), study_axes.candidate(base, axes[1].path)
         values = None if self._settings is None else filling.place.values(self._settings)
         cross, bound = None if values is None else _cross(axes, values), bound_of(metric, base)
-        said = text.sentence(of, names, metric, bound, judged(of, metric, bound), values, inside=cross is not None)
+        said = text.sentence(
+            of, names, metric, bound, judged(of, metric, bound, cross), values, inside=cross is not None
+        )
         if self.progress.running is None and of.share < 1:
             said = f"Stopped: {int(of.computed.sum())} of {of.computed.size} points are computed. {said}"
         return Shown(
@@ -197,6 +199,7 @@ class StudiesPanel:
             cross=cross,
             sentence=said,
             outdated=self._outdated(filling),
+            runs=filling.study.file.runs,
         )
 
     def _metric_shown(self, filling: Filling) -> str:

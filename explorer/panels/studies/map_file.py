@@ -10,8 +10,8 @@ from explorer.charts.plot_file import DOTS, METADATA, drawing_settings
 from explorer.model import palette
 from explorer.model.basin import on_scale as colour_at
 from explorer.model.study_judgement import contour, not_flyable, shares
-from explorer.panels.studies.picture import SHADES, Shown, ticks
-from rangenav.number_format import quantity, significant
+from explorer.panels.studies.picture import SHADES, Shown, end_of_scale, ticks, titled
+from explorer.panels.studies.text import wanted
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.study import Study
 
@@ -50,7 +50,7 @@ def picture(shown: Shown, kind: Literal["svg", "png"]) -> bytes:
 
         figure = Figure(figsize=SIZE, layout="constrained")
         axes = figure.add_subplot()
-        of, metric = shown.map, METRICS[shown.metric]
+        of = shown.map
         share, ends = shares(of, shown.metric)
         invalid = of.computed & (of.reason != "")
         scale = ListedColormap(colour_at(np.linspace(0.0, 1.0, SHADES)) / 255.0)
@@ -63,12 +63,13 @@ def picture(shown: Shown, kind: Literal["svg", "png"]) -> bytes:
             set_ticks([at * count - 0.5 for at, _ in ticks(axis)], [text for _, text in ticks(axis)])
         axes.set_xlabel(shown.names[0].caption)
         axes.set_ylabel(shown.names[1].caption)
-        axes.set_title(_named(metric.title, metric.unit), loc="left", fontsize="medium", fontweight="bold")
+        axes.set_title(titled(shown), loc="left", fontsize="medium", fontweight="bold")
         bar = figure.colorbar(drawn, ax=axes)
-        bar.set_ticks([0.0, 1.0], labels=["", ""] if ends is None else [significant(end) for end in ends])
+        written_ends = ["", ""] if ends is None else [end_of_scale(shown.metric, end) for end in ends]
+        bar.set_ticks([0.0, 1.0], labels=written_ends)
         if shown.bound is not None:
-            level = quantity(shown.bound.level, metric.unit)
-            figure.supxlabel(f"line: {shown.bound.words}, {level}; hatched: vehicle's limits broken", fontsize="small")
+            line = wanted(shown.metric, shown.bound)
+            figure.supxlabel(f"line: {line}; hatched: vehicle's limits broken", fontsize="small")
         buffer = io.BytesIO()
         figure.savefig(buffer, format=kind, dpi=DOTS, metadata=METADATA[kind])
     return buffer.getvalue()

@@ -20,10 +20,11 @@ from explorer.model.study_axes import Candidate
 from explorer.model.study_judgement import contour, not_flyable, on_scale, shares
 from explorer.model.study_map import Axis
 from explorer.panels.gains.tradeoff_plot import ticks as log_ticks
+from explorer.panels.studies.text import wanted, written
 from explorer.web import cells
 from explorer.web.accessibility import spoken
 from explorer.widgets.html import upper_first
-from rangenav.number_format import quantity, significant
+from rangenav.number_format import power_of_ten, quantity, significant
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Log
@@ -34,6 +35,8 @@ EVENT = "map-take"
 SHADES = 32
 """Colours of the picture: few enough that neighbours share one element, too many to be told apart."""
 MAX_TICKS = 5
+SHORTER = 4
+"""From this exponent on a power of ten is shorter than its digits."""
 TICK_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 READ = "Point at a cell to read it; a click takes it as the design (one step to undo)."
 KEYS = "Arrow keys move over the cells, Enter takes one."
@@ -59,12 +62,13 @@ class Shown:
     """What the map says in words."""
     outdated: str
     """Why the map is not of what is chosen now; empty if it is."""
+    runs: int
+    """Seeds at each point."""
 
 
 def markup(shown: Shown) -> str:
     """The whole block below the buttons."""
-    metric = METRICS[shown.metric]
-    title = f"{metric.title} ({metric.unit})" if metric.unit else metric.title
+    title = titled(shown)
     across, upwards = (html.escape(name.caption) for name in shown.names)
     notice = NOTICE.format(html.escape(upper_first(shown.outdated))) if shown.outdated else ""
     state = " rn-map-outdated" if shown.outdated else ""
@@ -76,6 +80,13 @@ def markup(shown: Shown) -> str:
         f'<div class="rn-cells-read">{READ}</div>'
         f'<div class="rn-map-text" {_said(shown)}>{html.escape(shown.sentence)}</div></div>'
     )
+
+
+def titled(shown: Shown) -> str:
+    """The metric with its unit, and what is shown of several seeds."""
+    metric = METRICS[shown.metric]
+    title = f"{metric.title} ({metric.unit})" if metric.unit else metric.title
+    return f"{title}, {metric.middle} of {shown.runs} seeds" if metric.needs == "run" and shown.runs > 1 else title
 
 
 def picture(shown: Shown) -> str:
@@ -104,14 +115,19 @@ def ticks(axis: Axis) -> list[tuple[float, str]]:
     """Round values along an axis: where they lie, from 0 to 1 between its outer edges, and how they are written."""
     count = axis.count or 2
     if isinstance(axis, Log):
-        values = log_ticks((axis.low, axis.high))[:MAX_TICKS]
+        values = log_ticks((axis.low, axis.high))
+        values = values[:: -(-len(values) // MAX_TICKS)]
         places = [math.log(value / axis.low) / math.log(axis.high / axis.low) for value in values]
     else:
         values = _even(axis.low, axis.high)
         places = [(value - axis.low) / (axis.high - axis.low) for value in values]
-    return [
-        ((place * (count - 1) + 0.5) / count, significant(value)) for place, value in zip(places, values, strict=True)
-    ]
+    return [((place * (count - 1) + 0.5) / count, _written(value)) for place, value in zip(places, values, strict=True)]
+
+
+def _written(value: float) -> str:
+    """A tick's value; of a power of ten the power, where it is shorter."""
+    exponent = round(math.log10(value)) if value > 0 else 0
+    return power_of_ten(exponent) if abs(exponent) >= SHORTER and value == 10.0**exponent else significant(value)
 
 
 def _even(low: float, high: float) -> list[float]:
@@ -136,7 +152,7 @@ def _frame(shown: Shown) -> str:
 
 def _content(shown: Shown) -> str:
     """What the script reads: the texts of all cells."""
-    of, metric = shown.map, METRICS[shown.metric]
+    of = shown.map
     values, reasons = of.values[shown.metric], of.reason
     beyond = not_flyable(of)
     notes: dict[str, int] = {"": 0}
@@ -147,8 +163,7 @@ def _content(shown: Shown) -> str:
         elif reasons[place]:
             text, note = "no value", str(reasons[place])
         else:
-            value = float(values[place])
-            text = quantity(value, metric.unit, otherwise="infinite") if math.isfinite(value) else "infinite"
+            text = written(shown.metric, float(values[place]))
             note = BEYOND if beyond[place] else ""
         texts.append(text)
         noted.append(notes.setdefault(note, len(notes)))
@@ -173,15 +188,20 @@ def _scale(shown: Shown) -> str:
         mark = "" if at is None else f'<i style="left:{100 * at:.1f}%"></i>'
     gradient = f"background:linear-gradient(to right,{stops})"
     bar = f'<span class="rn-map-bar" role="img" aria-label="{SCALE}" style="{gradient}">'
-    return f'<div class="rn-map-scale">{significant(ends[0])}{bar}{mark}</span>{significant(ends[1])}</div>'
+    light, dark = (end_of_scale(shown.metric, end) for end in ends)
+    return f'<div class="rn-map-scale">{light}{bar}{mark}</span>{dark}</div>'
+
+
+def end_of_scale(metric: str, value: float) -> str:
+    """The value at an end of the scale, without a unit."""
+    return written(metric, value).removesuffix(" of the runs") if METRICS[metric].middle == "share" else _written(value)
 
 
 def _legend(shown: Shown) -> str:
     """What the signs mean; only of those that the map has."""
     of, entries = shown.map, []
     if shown.bound is not None and contour(of, shown.metric, shown.bound):
-        unit = METRICS[shown.metric].unit
-        entries.append((_sign("M1 7H17", 2.0), f"{shown.bound.words}: {quantity(shown.bound.level, unit)}"))
+        entries.append((_sign("M1 7H17", 2.0), wanted(shown.metric, shown.bound)))
     if not_flyable(of).any():
         entries.append((_sign("M1 13L9 1M9 13L17 1", 1.0), BEYOND))
     if np.isinf(of.values[shown.metric]).any():

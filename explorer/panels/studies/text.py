@@ -2,6 +2,7 @@
 
 from explorer.model.study_axes import Candidate
 from explorer.model.study_judgement import Judged
+from explorer.model.study_map import FLYABLE
 from rangenav.number_format import percent, quantity
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS
@@ -22,17 +23,15 @@ def sentence(
     inside: bool,
 ) -> str:
     """All of it. `present`: the values of the design on the page; None if the map is of another design."""
-    row, count = METRICS[metric], int(of.computed.sum())
+    count = int(of.computed.sum())
     if not count:
         return "No point is computed yet."
     parts = [_best(of, names, metric, judged)]
+    share = "" if judged.flyable in (None, 1.0) or metric == FLYABLE else " and keep the vehicle's limits"
     if judged.meeting is not None and bound is not None:
-        sign = "at most" if bound.most else "at least"
-        keeps = " and keep the vehicle's limits" if judged.flyable is not None and judged.flyable < 1 else ""
-        level = quantity(bound.level, row.unit)
-        parts.append(f"{percent(judged.meeting)} of {count} points meet “{bound.words}” ({sign} {level}){keeps}.")
-    elif judged.flyable is not None and judged.flyable < 1:
-        parts.append(f"{percent(judged.flyable)} of {count} points keep the vehicle's limits.")
+        parts.append(f"{percent(judged.meeting)} of {count} points meet “{bound.words}”{_rule(metric, bound)}{share}.")
+    elif share:
+        parts.append(f"{percent(judged.flyable or 0.0)} of {count} points keep the vehicle's limits.")
     invalid = int((of.reason != "").sum())
     if invalid:
         parts.append(f"{invalid} cannot be computed.")
@@ -47,9 +46,33 @@ def at(names: Names, values: Values) -> str:
     return ", ".join(f"{name.label} {quantity(value, name.unit)}" for name, value in zip(names, values, strict=True))
 
 
+def written(metric: str, value: float) -> str:
+    """A value of a metric: a number with its unit, yes or no, or a share of the runs."""
+    row = METRICS[metric]
+    if row.middle == "share":
+        return f"{percent(value)} of the runs" if row.needs == "run" else "yes" if value else "no"
+    return quantity(value, row.unit, otherwise="infinite")
+
+
+def wanted(metric: str, bound: Bound) -> str:
+    """A requirement with its level, for the legend."""
+    row = METRICS[metric]
+    if row.middle == "share":
+        return f"{bound.words} in half of the runs" if row.needs == "run" else bound.words
+    return f"{bound.words}: {quantity(bound.level, row.unit)}"
+
+
+def _rule(metric: str, bound: Bound) -> str:
+    row = METRICS[metric]
+    if row.middle == "share":
+        return " in half of the runs or more" if row.needs == "run" else ""
+    return f" ({'at most' if bound.most else 'at least'} {quantity(bound.level, row.unit)})"
+
+
 def _best(of: StudyMap, names: Names, metric: str, judged: Judged) -> str:
     if judged.best is None:
         return f"No computed point has a finite value of {METRICS[metric].title}."
     i, j = judged.best
-    value = quantity(float(of.values[metric][i, j]), METRICS[metric].unit)
-    return f"Best: {value} at {at(names, (float(of.first[i]), float(of.second[j])))}."
+    several = f"{judged.equal} points, such as " if judged.equal > 1 else ""
+    place = at(names, (float(of.first[i]), float(of.second[j])))
+    return f"Best: {written(metric, float(of.values[metric][i, j]))} at {several}{place}."

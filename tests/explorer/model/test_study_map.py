@@ -113,6 +113,11 @@ def test_the_best_cell_can_be_flown_and_the_share_counts_what_meets_both():
     assert (verdict.best, verdict.meeting, verdict.flyable) == ((0, 1), 0.25, 0.5)
 
 
+def test_of_equally_good_cells_the_nearest_to_the_present_design_is_named():
+    verdict = study_judgement.judged(filled(np.array([[1.0, 1.0, 1.0, 2.0]])), "sigma_lifted", None, (0.0, 2.6))
+    assert (verdict.best, verdict.equal) == ((0, 2), 3)
+
+
 def test_light_is_the_best_value_and_what_lies_beyond_four_decades_has_the_dark_end():
     share, ends = study_judgement.shares(filled(np.array([[1.0, 10.0], [1e4, 1e9]])), "sigma_lifted")
     assert share == pytest.approx(np.array([[0.0, 0.25], [1.0, 1.0]]))

@@ -1,15 +1,19 @@
 """The report for a person: 80 columns, the answer first, a few groups, numbers with units, nothing of the JSON."""
 
+import io
 import json
 import math
 import re
 import shlex
+import sys
+import time
 from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
 
 from rangenav import analysis, formats, preset, record
+from rangenav.commands import progress
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report
 from rangenav.commands.text.spectrum_bar import spectrum_bar
@@ -367,3 +371,19 @@ def test_what_may_be_typed_next_keeps_the_window_that_was_typed(run):
         following = out.split("next  ")[1]
         assert f"rangenav {other} soft --window 1.2" in following
         assert "repair" not in following  # it would speak of the preset's own window
+
+
+def test_a_log_gets_the_newest_text_of_a_long_task_now_and_then_and_a_short_task_writes_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    log = io.StringIO()  # no terminal
+    monkeypatch.setattr(sys, "__stderr__", log)
+    with progress.describing("computing x") as say:
+        say(0.5, "1/2 parts")
+    assert log.getvalue() == ""
+    monkeypatch.setattr(progress, "LINE_EVERY", 0.01)
+    with progress.describing("computing x") as say:
+        say(0.5, "1/2 parts")
+        while not log.getvalue():
+            time.sleep(0.001)
+    assert log.getvalue().splitlines()[0] == "computing x: 1/2 parts"

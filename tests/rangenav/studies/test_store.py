@@ -12,8 +12,9 @@ import pytest
 from msgspec.structs import replace
 
 from rangenav.progress import CancelledError
-from rangenav.studies import blocks, creation, evaluation, export, receipts, running, store, study, tasks
+from rangenav.studies import blocks, creation, evaluation, export, receipts, running, store, study, summary, tasks
 from rangenav.studies.parameters import Listed
+from rangenav.studies.stopping import Stop
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
@@ -111,7 +112,7 @@ def test_the_store_is_the_same_for_other_parts_in_another_order(whole: store.Sto
 
 def test_another_study_and_a_second_program_are_refused(small: study.Study, whole: store.Store, client, copy: Path):
     other = study.of_file(replace(small.file, seed=4), small.bases)
-    with pytest.raises(ValueError, match=r"small.zarr: holds another study, 'a small study'"):
+    with pytest.raises(ValueError, match=r"small.zarr: holds another study, 'a small study' \(its seed is 3, not 4\)"):
         running.run(other, copy, client=client)
     with store.opened(copy).locked(), pytest.raises(ValueError, match="another program is computing this study"):
         running.run(small, copy, client=client)
@@ -164,6 +165,25 @@ def test_a_table_has_a_row_for_each_point_or_for_each_run(whole: store.Store, tm
     values = dict(zip(head.split(","), lines[5].split(","), strict=True))
     assert float(values["steady_position"]) == pytest.approx(opened.steady_position.values[1, 2].mean())
     assert float(values["time_scale"]) == opened.time_scale.values[2]
+
+
+def test_a_summary_says_at_how_many_points_a_requirement_is_met_and_between_which_values(whole: store.Store):
+    steady = xarray.open_zarr(whole.path).steady_position.mean("run").sel(estimator="cascade").load().to_series()
+    met = steady <= whole.study.bases[0].requirement.position_sigma
+    of = summary.summary(whole).metrics["steady_position", "cascade"]
+    assert 0 < of.meets == met.sum() < len(met)
+    times = met[met].index.get_level_values("time_scale")
+    assert of.within["time_scale"] == (times.min(), times.max())
+
+
+def test_a_receipt_has_how_many_points_meet_the_stopping_rule(small: study.Study, tmp_path: Path):
+    stop = Stop(metric="steady_position", half_width=0.3, least=4)
+    of = study.of_file(replace(small.file, stop=stop, runs=12), small.bases)
+    made = creation.created(tmp_path / "stop.zarr", of, blocks.divided(of.shape, 3))
+    tasks.compute(str(made.path), of.digest, 1)
+    values = made.read(1)["steady_position"].reshape(3, 12)
+    met = sum(stop.met(row[None, ~np.isnan(row)]) for row in values)
+    assert made.done()[1].met == summary.summary(made).met == met
 
 
 def test_a_receipt_with_one_changed_digit_counts_as_none(whole: store.Store, tmp_path: Path):

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from rangenav import preset
 from rangenav.field_path import value
-from rangenav.studies import blocks, parameters, study, study_file, units
+from rangenav.studies import blocks, parameters, plan, study, study_file, units
 from rangenav.studies.estimators import ESTIMATORS
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Linear, Listed, Log, LogNormal, Normal
+from rangenav.studies.plan import Cost
 from rangenav.studies.study_file import LatinHypercube, Sobol, StudyFile
 
 SLOW = preset.load("paper-slow")
@@ -24,7 +25,7 @@ Q, ANCHOR = (
 
 
 def of(*chosen: parameters.Parameter, **fields) -> study.Study:
-    file = StudyFile(title="x", presets=("paper-slow",), parameters=chosen, metrics=("mu",), **fields)
+    file = StudyFile(**{"title": "x", "presets": ("paper-slow",), "parameters": chosen, "metrics": ("mu",)} | fields)
     return study.of_file(file, (SLOW,))
 
 
@@ -137,6 +138,15 @@ def test_the_parts_hold_every_point_once_and_none_has_too_many(shape: list[int],
     parts = [divided.indices(part) for part in range(divided.count)]
     assert sorted(np.concatenate(parts).tolist()) == list(range(int(np.prod(shape))))
     assert max(map(len, parts)) <= points
+
+
+@given(st.integers(1, 3000), st.floats(1e-4, 20.0), st.integers(1, 8))
+def test_parts_are_shared_as_evenly_as_their_size_allows_and_are_not_much_smaller(count: int, run: float, workers: int):
+    many = of(Linear(path="world.anchor.z", low=-1, high=1, count=count), metrics=("settled",))
+    one, shared = (plan.divided(many, Cost(point=0.0, run=run, tried=1, invalid=0), workers=n) for n in (1, workers))
+    longest = [-(-parts.count // workers) * parts.chunk[0] for parts in (one, shared)]
+    assert longest[1] <= longest[0]
+    assert shared.chunk[0] >= 0.5 * one.chunk[0]
 
 
 def test_the_page_about_studies_names_every_metric_estimator_and_kind():
