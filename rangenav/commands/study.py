@@ -72,7 +72,7 @@ def run(
     from rangenav.studies import study as studies
 
     of = studies.load(study)
-    path = (Path(f"{Path(study).stem}.zarr") if output is None else output).resolve()
+    path = Path(f"{Path(study).stem}.zarr") if output is None else output
     require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
     require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
     require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")

@@ -44,8 +44,10 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
     if scheduler is not None:
         try:
             reached = distributed.Client(scheduler, timeout=CONNECT)
-        except (OSError, ValueError) as error:
-            raise ValueError(f"--scheduler {scheduler}: does not answer ({type(error).__name__})") from None
+        except ValueError:
+            raise ValueError(f"--scheduler {scheduler}: is no address such as tcp://10.0.0.1:8786") from None
+        except OSError:
+            raise ValueError(f"--scheduler {scheduler}: does not answer within {CONNECT}") from None
         with reached:
             yield reached
         return

@@ -27,7 +27,7 @@ def created(path: Path, study: Study, blocks: Blocks) -> Store:
     Raises ValueError if the path cannot be one, and OSError if the disk refuses.
     """
     require(path.suffix == SUFFIX, f"{path}: the name of a store must end in {SUFFIX}")
-    require(path.parent.is_dir(), f"{path}: no such folder as {path.parent}")
+    require(path.parent.is_dir(), f"{path}: no such folder")
     require(not path.exists(), f"{path}: exists already, and is no store of this study")
     temporary = Path(tempfile.mkdtemp(dir=path.parent, prefix=f"{path.stem}.", suffix=".partial"))
     try:

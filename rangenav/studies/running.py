@@ -186,7 +186,7 @@ class _Tally:
 def _compile(client: Any, of: Store) -> None:
     """Compile the kernels once on every host. Raises StoppedError if the scheduler is lost."""
     try:
-        cluster.compile_everywhere(client, str(of.path), of.study.digest)
+        cluster.compile_everywhere(client, str(of.path.resolve()), of.study.digest)
     except (OSError, RuntimeError) as error:
         raise _stopped(of, f"no worker could begin ({type(error).__name__})") from None
 
@@ -195,6 +195,7 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
     """Keep the workers busy until every part has its receipt."""
     finished: SimpleQueue[Any] = SimpleQueue()
     waiting: dict[Any, int] = {}
+    path = str(of.path.resolve())  # a worker has a folder of its own
     room, counted = 0, -RECOUNT
     try:
         while tally.missing or waiting:
@@ -204,7 +205,7 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
                 shown(tally.state())
             while tally.missing and len(waiting) < room:
                 part = tally.missing.popleft()
-                future = client.submit(tasks.compute, str(of.path), of.study.digest, part, key=_key(of, part))
+                future = client.submit(tasks.compute, path, of.study.digest, part, key=_key(of, part))
                 waiting[future] = part
                 future.add_done_callback(finished.put)
             if cancelled():
