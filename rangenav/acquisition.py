@@ -216,7 +216,7 @@ def anywhere(square: float, p0: Float[Array, "13 13"], tried: int) -> tuple[Arra
 
 
 def solved(of: Collection) -> tuple[Array, Array, float] | None:
-    """x̂ (axes at t0), P without its last term, and the misfit; None if the ranges do not tell the position."""
+    """x̂ (axes at t0), P without its last term, and the misfit; None if the ranges do not determine the position."""
     R, right = of.triangle[: model.STATES, : model.STATES], of.triangle[: model.STATES, -1]
     diagonal = np.abs(np.diag(R))
     if not (diagonal > layout.RANK_TOLERANCE * diagonal.max()).all():
@@ -246,7 +246,7 @@ def size(of: Watch) -> float:
 
 
 def watched(of: Watch, innovation: float, variance: float) -> tuple[Watch, bool]:
-    """The window with one more innovation, and whether that is an outlier's."""
+    """The window with one more innovation, and whether that innovation is an outlier."""
     square = innovation**2 / (variance * of.scale)
     outlier = not square <= layout.GATE
     total, size = (layout.OUTLIER, layout.GATE) if outlier else (square, square)

@@ -60,7 +60,7 @@ class MotionAnalysis:
 
     @cached_property
     def spectrum(self) -> Spectrum:
-        """Of every window. Only plots need it, and it takes three times as long as all that the verdict needs of it."""
+        """Of every window. Only plots need it; it takes three times as long as the part that the verdict needs."""
         return spectrum.of_remainders(self.remainders, rounding=self.rounding)
 
 
@@ -221,7 +221,7 @@ def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:
 def sampled_windows(
     path: Signal, world: World, duration: float, window: float, ranges: Ranges, count: int = WINDOWS
 ) -> Windows:
-    """What so many windows (s) of a flight have, with the accuracy that its ranges allow."""
+    """The sampled windows (s) of a flight, with the accuracy that its ranges allow."""
     lifted, samples = (
         motion_analysis(path, world.gravity, duration, window, count),
         path_samples(path, duration, window, count),

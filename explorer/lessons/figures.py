@@ -31,7 +31,7 @@ class Figure:
     unit: str
     of: Callable[[State], float | None]
     never: str = NOT_DETERMINED
-    """The word in place of a number that there is not: None, NaN or infinite."""
+    """The word in place of a number that does not exist: None, NaN or infinite."""
 
     def text(self, value: float | None) -> str:
         """The number with its unit, as everywhere on the page; a word where there is none."""
@@ -116,10 +116,11 @@ def text(name: str, state: State) -> str:
 
 @lru_cache(maxsize=CACHED)
 def _value(name: str, settings: Settings, exported: tuple[str, bytes] | None) -> float | None:
-    """The number itself. The states of a lesson's own are computed once, and leave the caches to what is shown."""
+    """The number itself. The lesson's own states are computed once and kept apart: the caches hold what the page
+    shows."""
     return FIGURES[name].of(State(settings=settings, exported=exported))
 
 
 def short(value: float, unit: str = "") -> str:
-    """A number of a check's hint, as everywhere on the page."""
+    """A number in the hint of a check, written as everywhere on the page."""
     return f"{significant(value)} {unit}".rstrip()

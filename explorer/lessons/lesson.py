@@ -32,9 +32,9 @@ class Prediction(Input, frozen=True, kw_only=True):
     """Which choice came true, from 1."""
     unit: str = ""
     figure: str = ""
-    """The number that came, as a figure: `start.sigma`; it stands beside what was predicted."""
+    """The figure that holds the true number, such as `start.sigma`; it is shown next to the prediction."""
     because: str
-    """Why it came so, in one or two sentences."""
+    """Why this is the outcome, in one or two sentences."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -102,7 +102,7 @@ class Header(Input, frozen=True, kw_only=True):
     """What the states case-1.toml, case-2.toml, … are called, for a lesson that compares or searches several runs."""
     goal: Goal
     hints: tuple[str, str, str]
-    """From a nudge to nearly everything."""
+    """From a small push to nearly the whole solution."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -156,7 +156,7 @@ class Lesson:
     cases: tuple[State, ...] = ()
     """The states of the cases that the header names."""
     check: Callable[[State], Outcome]
-    """A pure function. What it raises has become a sentence in its outcome."""
+    """A pure function. An error inside it becomes a sentence of its outcome."""
 
     @property
     def number(self) -> int:

@@ -27,7 +27,7 @@ CACHED = 8
 STARTS = 101
 """Windows over which the excitation of a file is computed."""
 SEEDS = 5
-"""Runs that judge gains: of one run the noise alone may be lucky."""
+"""Runs by which gains are judged: in a single one the noise may happen to favour them."""
 NEAR_HALF_TURN = math.pi - 0.01
 """rad: an initial attitude error close to an undesired equilibrium."""
 

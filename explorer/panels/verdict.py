@@ -41,7 +41,7 @@ STOP = AnswerButton(event="stop", label="Stop", hint=STOP_HINT)
 
 
 class VerdictPanel:
-    """The line, below it what is running or why nothing was shown, and the answers."""
+    """The line; below it what is running, or why nothing is shown; and the answers."""
 
     def __init__(self, gui: viser.GuiApi, cures: dict[Cure, Action]) -> None:
         """`cures` are the actions that are offered."""
@@ -65,8 +65,8 @@ class VerdictPanel:
         self._show_progress(_progress_bar(name, fraction) if fraction < 1 else "", ())
 
     def draw_progress(self, job: Job | None, outcome: str, answers: Sequence[AnswerButton]) -> None:
-        """Show the progress of work that was begun here or by the palette, or the outcome of the last search with the
-        answers to it."""
+        """Show the progress of work that was begun here or by the palette, or the outcome of the last search with its
+        buttons."""
         if job is not None:
             self._show_progress(_progress_bar(f"Working: {job.name}", job.fraction), (STOP,))
         elif outcome:
@@ -76,7 +76,8 @@ class VerdictPanel:
             self._show_progress("", ())
 
     def draw(self, picture: Picture) -> None:
-        """Show the verdict on a picture; ≈ marks what is that of sampled windows, and not yet of all."""
+        """Show the verdict on a picture; ≈ marks a number of the sampled windows, until that of all windows is
+        known."""
         self._shown, given = picture, assessment.answers(picture)
         moving = picture.analysis.proof is None
         rows = f'<div class="rn-rows">{WAIT if self._folded and moving else self._rows(picture, given)}</div>'
@@ -85,7 +86,7 @@ class VerdictPanel:
             self._block.content = content
 
     def fold(self, folded: bool) -> None:
-        """Take whether the browser shows the line alone; the answers are written as soon as it shows them."""
+        """Note whether the browser shows the line alone; the answers are written once it shows them, too."""
         opened, self._folded = self._folded and not folded, folded
         if opened and self._shown is not None:
             self.draw(self._shown)

@@ -75,7 +75,7 @@ class Scene:
         self._view.step(step)
 
     def instruct(self, on: bool) -> None:
-        """Whether labels say what a visitor may do; a picture in a file says what it shows alone."""
+        """Whether labels say what a visitor may do; in a picture for a file they only name what is shown."""
         self._twin.instruct(on)
         self._arrange()
 

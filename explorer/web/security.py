@@ -1,4 +1,4 @@
-"""The server: what is asked of every request, and who gets an answer. Checked against viser 1.1.1.
+"""The server: which requests are answered, and which are refused. Checked against viser 1.1.1.
 
 viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), knows no visitors, and lets any
 client open a public tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of

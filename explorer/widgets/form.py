@@ -130,8 +130,8 @@ class Form:
         return None if everything else sections
 
     def do(self, action: Action, *, step: bool = True, away: bool = False) -> None:
-        """Queue an action for the session's loop; called from viser's threads. With `step` it can be undone; `away` is
-        one whose button is not in the panel that acts."""
+        """Queue an action for the session's loop; called from viser's threads. step: whether undo takes the action
+        back. away: whether its button is in another panel than the one that acts."""
         self._actions.append((action, step, away))
         self.wake()
 
@@ -222,7 +222,7 @@ class Form:
         modifier: KeyModifier | None = None,
         step: bool = True,
     ) -> None:
-        """A command of the Ctrl+K palette, with an optional hotkey. With `step` it can be undone."""
+        """A command of the Ctrl+K palette, with an optional hotkey. step: whether undo takes it back."""
         command = self.gui.add_command(label, hotkey=key, modifier=modifier)
         command.on_trigger(lambda _: self.do(action, step=step, away=True))
 

@@ -149,7 +149,7 @@ def _marked(preset: Preset, format_name: str, output: Path, options: ExportOptio
     else:
         try:
             *_, finest = row.drafts(preset, options)
-        except ValueError:  # not one window of it: then as much as the format holds
+        except ValueError:  # the format holds less than one window: then as much as it holds
             *_, finest = row.drafts(_any_window(preset), options)
         written = finest(place)
     strays = () if written.unfit is None else (written.unfit,)
@@ -169,8 +169,7 @@ def _any_window(preset: Preset) -> Preset:
 def _first_certified(preset: Preset, format_name: str, output: Path, options: ExportOptions) -> CertifiedExport:
     """The first way to write a motion that its certificate confirms. Raises RefusedExportError: why the finest fails.
 
-    After each certificate that refuses, twice as many ways are passed over as before, but never the finest.
-    """
+    After each refusal twice as many ways are skipped as before, but never the finest."""
     drafts = formats.row(format_name).drafts
     assert drafts is not None
     failure, missed = "", PIECES

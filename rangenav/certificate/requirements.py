@@ -17,7 +17,7 @@ from rangenav.vehicle import FREE
 from rangenav.verdict import Verdict, below_rounding, excitation_reached, says_nothing
 
 NO_LIMITS = "no vehicle limits stated"
-"""What is said of a vehicle that nothing is asked of: met, but no merit."""
+"""The sentence on a vehicle without limits: met, because nothing is required."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ TRUTH = re.compile(rf"{TRUE}.*|p|p_rs_r|q|q_rs")
 NEEDED = ("time", "gyro", "accel")
 """What a flight has at least."""
 OPTIONAL = ("range", "mag")
-"""What a flight may be without, and a person may find in columns of other names."""
+"""Optional quantities of a flight, which a person may find in columns of other names."""
 SHOWN = 40
 """Most characters of a name."""
 
@@ -66,7 +66,7 @@ class LogColumns:
     """Columns of poses whose names do not say that they are the truth."""
     questions: tuple[Question, ...]
     applied: tuple[Question, ...]
-    """Questions which columns hold what the file may be without; it is without them unless a person says otherwise."""
+    """Questions about columns of optional quantities; a quantity is left out unless a person names its columns."""
     findings: tuple[str, ...]
     """The columns that a person has chosen."""
 
@@ -117,7 +117,8 @@ def columns(table: Table, confirm: Mapping[str, str]) -> LogColumns:
 
 
 def _by_names(table: Table, *, lenient: tuple[str, ...]) -> dict[str, dict[tuple[str, str | None], dict[str, int]]]:
-    """The columns that names tell: by quantity, by label and unit, by axis. lenient: quantities that a person chooses.
+    """The columns by what their names say: by quantity, by label and unit, by axis. lenient: quantities that a person
+    chooses.
 
     Raises ValueError for two columns of one name.
     """
@@ -171,7 +172,7 @@ def lacking_text(kind: str, group: Group | None) -> str:
 def _absent(
     table: Table, groups: Mapping[str, Group], free: list[int], answered: Mapping[str, str]
 ) -> tuple[Question, ...]:
-    """The questions which columns hold what a flight may be without; none, if nobody says otherwise."""
+    """The questions about columns of optional quantities; by default no column holds them."""
     questions = []
     for kind in OPTIONAL:
         if kind in groups and kind not in answered:

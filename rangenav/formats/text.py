@@ -87,9 +87,9 @@ def table(
     """Numbers in columns. The first line that is no comment names the columns, unless `names` does.
 
     If that line holds numbers, the last comment before it with as many entries names the columns. `marked` says that
-    the format has its header in a comment (`#timestamp [ns],...`), and `separator` which one it has; any other is read
-    as well, and remarked. `header` is an example of the first line, for the message that there is none. `drop` says
-    whether lines that are no rows may be left out, None that nobody can be asked.
+    the format has its header in a comment (`#timestamp [ns],...`), and `separator` is the usual one of the format;
+    another is read as well, with a remark. `header` is an example of the first line, for the message that there is
+    none. `drop`: whether lines that are no rows may be left out; None if nobody can be asked.
 
     Raises BrokenLinesError if there are such lines and `drop` is False, ValueError for what cannot be read at all.
     """
@@ -132,7 +132,7 @@ def table(
 
 
 def _left_out(broken: entries.Broken, drop: bool | None, source: str) -> list[str]:
-    """What is said of broken lines that are left out. Raises ValueError where they may not be."""
+    """The remarks on broken lines that are left out. Raises ValueError where they may not be."""
     if not broken.numbers:
         return []
     if drop is None:
@@ -208,7 +208,7 @@ def listed(table: Table) -> str:
 
 
 def refuse_missing(values: Float[Array, "n c"], table: Table, what: str) -> None:
-    """Raise ValueError naming the first line where a number that cannot be done without is missing."""
+    """Raise ValueError, with the first such line, if a number is missing that the file must have."""
     missing = np.asarray(np.isnan(values).any(axis=-1))
     if missing.any():
         line = int(table.lines[int(np.argmax(missing))])

@@ -22,20 +22,21 @@ from rangenav.results import result
 DELAYS: Float[Array, "k"] = np.linspace(-1.0, 1.0, 41)
 """s"""
 WINDOW = 8.0
-"""s, in which the IMU tells the motion up to the unknowns above; its bias adds centimetres."""
+"""s: over so long the IMU determines the motion up to the unknowns above; its bias adds centimetres."""
 MOST_WINDOWS, MOST_RANGES = 25, 300
-"""Windows, and ranges in each, that are looked at."""
+"""At most so many windows are examined, and so many ranges in each."""
 LEAST = 20
 """Ranges."""
 CLEARLY, LIKELIER = 1.2, 40.0
-"""How many times larger what is left is without the delay; by how much its chi-square is, and that of an anchor."""
+"""A delay is reported if without it the residual is so many times larger, and its chi-square by so much; an anchor by
+the latter alone."""
 LEAST_DELAY = 0.05
 """s. A shorter delay is usual and harmless."""
 
 
 @result
 class Delay:
-    """What is left of the ranges for each delay of their clock (m rms), with the number of ranges."""
+    """The residual of the ranges for each delay of their clock (m rms), and the number of ranges."""
 
     left: Float[Array, "k"]
     count: int
@@ -48,7 +49,7 @@ class Delay:
 
     @property
     def best(self) -> tuple[float, float]:
-        """The delay (s) that leaves least, between the grid's by a parabola, and what it leaves (m)."""
+        """The delay (s) of least residual, between those of the grid by a parabola, and that residual (m)."""
         k = int(np.argmin(self.left))
         if not 0 < k < len(self.left) - 1:
             return float(DELAYS[k]), float(self.left[k])
@@ -85,7 +86,7 @@ def inside_of(flight: Flight, time: Array) -> tuple[Array, Array]:
 
 
 def to_anchor(position: Array, distance: Array) -> tuple[Float[Array, "3"], float]:
-    """The anchor (m) that fits best, and what it leaves (m rms). In a plane it is the nearest one that does."""
+    """The anchor (m) that fits best, and its residual (m rms). In a planar motion it lies in the plane."""
     middle = position.mean(axis=0)
     moved = position - middle
     weight = 1 / (2 * np.maximum(distance, 0.1 * float(np.median(distance))))
@@ -99,7 +100,7 @@ def to_anchor(position: Array, distance: Array) -> tuple[Float[Array, "3"], floa
 
 @lru_cache(maxsize=KEPT)
 def delay_by_truth(flight: Flight) -> Delay | None:
-    """What is left for each delay, with the anchor that fits best; None without true positions."""
+    """The residual for each delay, with the anchor that fits best; None without true positions."""
     known = known_positions(flight)
     if known is None or len(flight.range) < LEAST:
         return None
@@ -116,7 +117,7 @@ def delay_by_truth(flight: Flight) -> Delay | None:
 
 @lru_cache(maxsize=KEPT)
 def delay_by_imu(flight: Flight) -> Delay | None:
-    """What is left for each delay about every motion that the IMU allows; None with too few ranges."""
+    """The residual for each delay, with the best of the motions that the IMU allows; None with too few ranges."""
     span = float(flight.time[-1] - flight.time[0])
     if len(flight.range) < LEAST or span < WINDOW / 2:
         return None

@@ -22,7 +22,8 @@ from rangenav.studies.study import Study
 from rangenav.studies.study_file import StudyFile
 
 AHEAD = 3
-"""Tasks that the scheduler holds for each thread: no worker waits for this program, and a stop drops few."""
+"""Tasks that the scheduler holds for each thread: enough that no worker waits for this program, and few to be dropped
+at a stop."""
 POLL = 0.25
 """s between two looks at `cancelled`."""
 LATE = 30.0
@@ -128,7 +129,7 @@ def kept(path: Path, parts: int) -> str:
 
 
 class _Tally:
-    """What is done so far: sums, so that a store of any number of parts takes no time and no memory to count."""
+    """What is done so far, kept as sums: counting takes no time and no memory, however many parts the store has."""
 
     def __init__(self, of: Store) -> None:
         self._by_runs, self._parts = bool(of.study.file.run_metrics), of.blocks.count
@@ -225,7 +226,7 @@ def _deal(client: Any, of: Store, tally: _Tally, shown: Shown, cancelled: Cancel
 
 
 def _key(of: Store, part: int) -> str:
-    """A task's name on the scheduler; its number makes a second program's task another one."""
+    """A task's name on the scheduler. The number tells the tasks of two programs apart."""
     return f"rangenav-study-{of.study.digest[:12]}-{part}-{time.monotonic_ns()}"
 
 

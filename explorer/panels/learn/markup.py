@@ -23,8 +23,8 @@ INTRODUCTION = (
     "comes back when you leave the lesson."
 )
 DECADES, NOT_YET = 3.0, 0.9
-"""So many decades from the goal the bar of a logarithmic metric is empty; and what it shows at most while something
-else is missing."""
+"""The bar of a logarithmic metric is empty so many decades from the goal; while something else is missing it shows so
+much at most."""
 WAITS = "The lesson goes on when your teacher shows the answer to all."
 HINT_NAMES = ("a hint", "another hint", "the last hint")
 
@@ -83,7 +83,7 @@ def _answers_to(row: Sequence[str]) -> str:
 
 
 def screen(lesson: Lesson, shown: Shown) -> str:
-    """One screen of a lesson, with what leads on and back."""
+    """One screen of a lesson, with the buttons to the next and to the previous one."""
     page, k, count = screens.shown(lesson, shown.learning.screen)
     body = {"text": _text, "prediction": _prediction, "task": _task, "outcome": _outcome}[page.kind](
         lesson, page, shown
@@ -165,7 +165,7 @@ def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
 
 
 def _outcome(lesson: Lesson, page: Screen, shown: Shown) -> str:
-    """What came, beside what was predicted."""
+    """The outcome, next to what was predicted."""
     asked, given = lesson.header.prediction, answers_of(shown.learning, lesson.name).get(PREDICTION, "nothing")
     because = text.filled(asked.because, shown.states, shown.read)
     rows = (("You predicted", given), ("It came", text.came(asked, shown.states, shown.read)), ("Because", because))

@@ -158,7 +158,7 @@ class FlightPanel:
         )
 
     def _follow(self) -> None:
-        """Take from the page a report on other options. Raises ValueError with what is wrong about those chosen."""
+        """Remove a report on other options from the page. Raises ValueError with what is wrong about those chosen."""
         if self._flight is not None and self._options() != self._judged:
             self._report_block.visible = False
 

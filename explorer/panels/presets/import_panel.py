@@ -40,7 +40,7 @@ CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have co
 CONFIRM, OTHERS = "Confirm the answers", "Read it with these answers"
 OTHERS_HINT = "Reads the file once more, with the answers chosen above."
 FLAG = re.compile(r"--([a-z][a-z-]*?)(?:-unit)? ([^\s,;)]+)")
-"""An option of the command line and its value; the page's menu has the key of the question for a name."""
+"""An option of the command line and its value; the menu on the page is named by the question's key."""
 BELOW = 0.5
 """viser's order in a folder: between a control and the next one."""
 UNANSWERED = ""
@@ -89,8 +89,8 @@ class ImportPanel:
             )
 
     def forget_preset(self) -> None:
-        """Drop what was said of a path that was opened and is not on the page any more. What was said of a recorded
-        flight, or is still asked, names its file and stays."""
+        """Remove the texts on an imported path that is not on the page any more. The texts on a recorded flight, and
+        open questions, name their file and stay."""
         if self._opened:
             self._opened = self._status.visible = self._message.visible = False
             self._forget_questions()

@@ -93,7 +93,7 @@ class RepairPanel:
         self._accepted: Signal | None = None
         """The path of the change that was accepted last, as long as it is on the page."""
         self._refused: Preset | None = None
-        """What the ways out are for."""
+        """The preset that the ways out belong to."""
         with section:
             self._kind = Choice(section, "repair by", CHANGE_LABELS, hint=KIND_HINT)
             form.button("Make it observable", self.start, hint=REPAIR_HINT)
@@ -161,8 +161,8 @@ class RepairPanel:
             self.start()
 
     def draw(self, picture: Picture) -> None:
-        """Take from the page what belongs to another motion: the ways out of a refusal, a change of that motion, and
-        that a change was accepted."""
+        """Remove what belongs to another motion: the ways out of a refusal, a proposed change, and the sentence that a
+        change was accepted."""
         shown = effective(picture.settings)
         if self._refused is not None and shown != self._refused:
             self._forget_ways()

@@ -23,7 +23,8 @@ SOURCE = "source"
 
 
 def certified(certificate: Certificate, *, name: str, written: Path | None, helps: str | None) -> Report:
-    """What was asked of a preset and what it is proven or computed to do; helps: a change that would meet it all."""
+    """What is required of a preset, and what is proven or computed of it. helps: a change that would meet every
+    requirement."""
     typed = layout.argument(name)
     kept = written or Path(name).with_name(f"{Path(name).stem}.certificate.json")
     following = f"certify {typed} -o {layout.argument(str(kept))}" if written is None else _verifying(name, written)
@@ -65,7 +66,7 @@ def _refusal(certificate: Certificate) -> str:
 
 
 def _check(one: Check, certificate: Certificate) -> str:
-    """A requirement with its sign: the stored sentence, whose bytes are compared, as a person reads it."""
+    """A requirement with its sign. The certificate's own sentence keeps its bytes; here it is worded for a person."""
     sign = "–" if one.words == NO_LIMITS else "✓" if one.met else "✗"
     asked = certificate.accuracy
     stored = f"{asked.required:.3g} m required of the prediction, by {asked.noise}"

@@ -15,7 +15,7 @@ from rangenav.number_format import CLOSE_UNITS, quantity, significant, vector
 from rangenav.verdict import SIGNS, Sign
 
 STATED, CONFIRMED = "the file says", ", as confirmed"
-"""How a finding about a unit, or about gravity and field, tells where it comes from."""
+"""Words in a statement about a unit, or about gravity and field, that name its source."""
 SINGLE = re.compile(r"(\S+) to \1 s")
 """A stretch of one window."""
 NO_RANGES = {
@@ -28,7 +28,7 @@ NO_RANGES = {
 def report(
     answer: Json, *, whole: WholeRecord, file: str, options: Mapping[str, str], has_truth: bool, required: float
 ) -> Report:
-    """What a recorded flight could tell, and what the observers make of it.
+    """The report on a recorded flight: what it determines, and what the observers estimate.
 
     answer: the command's JSON object. whole: the verdict on the whole record. options: those typed with `file`, each
     flag with its values. has_truth: whether the file has true positions. required: m, above which a window is weak.
