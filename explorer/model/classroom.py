@@ -112,7 +112,7 @@ class Classroom:
             return dict(sorted(self._members.items()))
 
     def listen(self, listener: Listener) -> Listener:
-        """Have a listener called after every change. Returns what ends that."""
+        """Have a listener called after every change. Returns a function that ends this."""
         return self._listeners.add(listener)
 
     def show(self, shown: Shown | None) -> None:

@@ -11,7 +11,7 @@ RATE, LEAST_RATE = 20.0, 4.0
 USUAL, GAIN = 0.005, 4.0
 """s by which frames may be late at the full rate, and how much a lateness beyond it lengthens the period."""
 WEIGHT = 1 / 16
-"""Of one frame in the running mean."""
+"""The weight of one frame in the running mean."""
 
 
 class Pace:

@@ -35,7 +35,7 @@ FIRST = (
 )
 """What most maps are about stands first in the menu."""
 OMITTED = ("version", "seed", "source", "requirement.mu", "requirement.position_sigma")
-"""Keys that decide no run, or that a map compares with."""
+"""Keys that change no run, or that the results of a map are compared with."""
 DERIVED_LABELS = {SIZE: "size of the path", TIME_SCALE: "time scale"}
 TIMES = "×"
 """The unit of both: so many times as large as now, so many times slower."""

@@ -62,7 +62,7 @@ class Follower:
         """What the teacher shows, as this page calls it."""
         self._seen: Shown | None = None
         self._named: dict[str, str] = {}
-        """What presets of the teacher's own are called here: one of them is offered once, not at each change."""
+        """The names that the teacher's own presets have here: each is offered once, and not again at each change."""
 
     @property
     def following(self) -> bool:
@@ -87,7 +87,8 @@ class Follower:
                 self._notify(SENT, UNDO)
             if request.lesson is not None:
                 opened = self._dock.learn.lesson
-                if opened is None or opened.number != request.lesson:  # else who is on its third screen stays there
+                # a student who is on its third screen already stays there
+                if opened is None or opened.number != request.lesson:
                     self._dock.learn.open_number(request.lesson)
                 self._open_tab("Learn")
                 self._notify(LESSON, "Leaving it gives back what was here before.")
@@ -174,7 +175,7 @@ class Follower:
         self._end(back=back)
 
     def _end(self, *, back: bool) -> None:
-        """Follow no longer, and show the own work again, or keep what was shown as a step after it."""
+        """Stop following. Show the student's own work again, or keep what was shown as a step after it."""
         own, held, self._own, self._held = self._own, self._held, None, None
         if own is None:
             return
@@ -195,7 +196,7 @@ class Follower:
         return same
 
     def _chosen(self) -> Settings | None:
-        """The own work; what was valid last, if a control holds no valid input now."""
+        """The student's own work; the last valid one, if a control holds no valid input now."""
         try:
             return self._dock.read()
         except (InvalidInputError, ValueError):

@@ -23,7 +23,8 @@ class PictureText:
         """When to write (s, monotonic); None if the text is that of what is shown."""
 
     def follow(self, picture: Picture, time: float | None, now: float) -> None:
-        """Note what is shown, and at which moment (s) of the flight; None while it plays, which nothing is said of."""
+        """Note what is shown, and at which moment (s) of the flight; None while it plays: a running picture has no
+        text."""
         if time is None:
             self._seen = self._due = None
         elif self._seen is None or self._seen[0] is not picture or self._seen[1] != time:

@@ -15,21 +15,21 @@ from explorer.panels.dock import Dock
 from rangenav.inputs import Vec3
 
 JUMP = 0.25
-"""s by which a playing clock must be elsewhere than it was said to be, to be told anew."""
+"""s: the time is sent to the class anew if it differs by more from what the pages of the class show."""
 
 
 class Presenter:
-    """What of one teacher's page the class sees."""
+    """The part of a teacher's page that the class sees."""
 
     def __init__(self, client: viser.ClientHandle, dock: Dock, playback: Playback, classroom: Classroom) -> None:
         self._client, self._dock, self._playback, self._classroom = client, dock, playback, classroom
         self.presenting = False
-        self._told: Shown | None = None
+        self._sent: Shown | None = None
 
     def present(self, on: bool) -> None:
         """Begin with what the controls say, or end. Raises InvalidInputError if they hold no valid input."""
         settings = self._dock.read() if on else None
-        self.presenting, self._told = on, None
+        self.presenting, self._sent = on, None
         if settings is None:
             self._classroom.show(None)
         self.follow(settings)
@@ -39,8 +39,8 @@ class Presenter:
         if not self.presenting or settings is None:
             return
         shown = self._shown(settings)
-        if self._told is None or not same(self._told, shown):
-            self._told = shown
+        if self._sent is None or not same(self._sent, shown):
+            self._sent = shown
             self._classroom.show(shown)
 
     def _shown(self, settings: Settings) -> Shown:
@@ -57,13 +57,13 @@ class Presenter:
         )
 
 
-def same(told: Shown, shown: Shown) -> bool:
-    """Whether a page that was told one thing shows the other by now."""
-    expected = told.time + (shown.at - told.at) * told.speed * told.playing
+def same(sent: Shown, shown: Shown) -> bool:
+    """Whether a page that was sent one state of the run shows the other by now."""
+    expected = sent.time + (shown.at - sent.at) * sent.speed * sent.playing
     duration = shown.settings.preset.duration
-    late = abs(expected % duration - shown.time % duration) if told.playing else abs(expected - shown.time)
+    late = abs(expected % duration - shown.time % duration) if sent.playing else abs(expected - shown.time)
     kept = ("settings", "playing", "speed", "loop", "camera", "control")
-    return all(getattr(told, name) == getattr(shown, name) for name in kept) and late < (JUMP if told.playing else 1e-9)
+    return all(getattr(sent, name) == getattr(shown, name) for name in kept) and late < (JUMP if sent.playing else 1e-9)
 
 
 def _vector(value: np.ndarray) -> Vec3:

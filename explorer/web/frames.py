@@ -42,7 +42,7 @@ MOVES = frozenset(
 )
 """The types of messages that assign a property: of two of the same property, the later one alone counts."""
 PAYLOAD = 4096
-"""Bytes of a frame's messages, about: the memory of the compressor is chosen by it."""
+"""Bytes of a frame's messages, roughly: the memory of the compressor is chosen for it."""
 HEADER = 8
 """Bytes of each of the two sizes that begin a frame."""
 
@@ -89,7 +89,7 @@ class Frames:
         self._collector = 0
         """The thread whose messages are collected now; 0 for none."""
         self._moved: dict[Key, Message] = {}
-        """Collected, and not on its way yet."""
+        """Messages that were collected, and are not on their way yet."""
         self._flight: Flight | None = None
         self._queue = self._connection.queue_message
         self._connection.queue_message = self._take  # type: ignore[method-assign]
@@ -109,7 +109,7 @@ class Frames:
             self._collector = 0
 
     def packed(self) -> Flight | None:
-        """What was collected as one frame, to be posted; None if nothing was. `ready` holds."""
+        """The collected messages as one frame, to be posted; None if there are none. Called only while `ready`."""
         self._land()
         if not self._moved:
             return None
@@ -125,7 +125,7 @@ class Frames:
         return loop
 
     def finish(self) -> None:
-        """Send what dropped frames would have moved by viser's queue: no frame follows for now."""
+        """Send by viser's queue what dropped frames would have moved, because no frame follows for now."""
         flight = self._flight
         if flight is not None:
             with flight.lock:
@@ -136,14 +136,14 @@ class Frames:
             self._queue(message)
 
     def _land(self) -> None:
-        """Take back what a dropped frame would have moved, where nothing newer was collected."""
+        """Collect again what a dropped frame would have moved, where nothing newer was collected."""
         if self._flight is not None and self._flight.left is not None:
             flight, self._flight = self._flight, None
             if not flight.left and not flight.last:
                 self._moved = flight.moved | self._moved
 
     def leave(self, flight: Flight) -> None:
-        """In viser's loop: write the frame, unless the browser has something else to take first."""
+        """In viser's loop: write the frame, unless other messages for the browser wait."""
         tab, buffer = self._connection.client_id, self._connection.get_message_buffer()
         connection = self._server._live_connections.get(tab)
         waiting = buffer.generator_cursors.get(tab, -1) != buffer.message_counter - 1
@@ -237,7 +237,7 @@ def _key(message: Message) -> Key:
 
 
 def _supersede(moved: dict[Key, Message], message: Message) -> None:
-    """Forget what a message that is sent now assigns anew, or removes."""
+    """Drop the collected properties that a message which is sent now assigns anew, or removes."""
     if type(message) in MOVES:
         moved.pop(_key(message), None)
     elif message.entity_id_field is not None:

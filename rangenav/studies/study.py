@@ -22,7 +22,7 @@ from rangenav.studies.study_file import Grid, Sobol, StudyFile
 PRESET, POINT = "preset", "point"
 """Names of dimensions."""
 SEED_BITS = 53
-"""Of a run's seed: every one may stand in a preset."""
+"""The largest seed of a run: a preset takes it, too."""
 BOX_SAMPLES = 401
 FOLDER = Path(__file__).parent / "shipped"
 
@@ -66,7 +66,7 @@ class Study:
 
     @cached_property
     def digest(self) -> str:
-        """The SHA-256 of all that decides the results: what stays the same may go on in the same store."""
+        """The SHA-256 of all that decides the results: a study of the same digest goes on in the same store."""
         content = [study_file.dumps(self.file), *self.names, *map(preset.dumps, self.bases)]
         return hashlib.sha256("\0".join(content).encode()).hexdigest()
 

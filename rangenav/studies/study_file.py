@@ -22,7 +22,7 @@ from rangenav.studies.stopping import Stop
 FORMAT_VERSION = 1
 MAX_POINTS = 10_000_000
 MAX_RUNS = 10_000
-"""Of one point: all of its runs are one task's work."""
+"""Most runs of one point: one task computes all of them."""
 MAX_SEED = 2**53
 RESERVED = ("point", "run", "estimator", "preset", "runs", "reason", "receipts")
 """Names in the store that no parameter may have."""
@@ -45,7 +45,8 @@ class Sobol(Input, frozen=True, kw_only=True, tag="sobol", tag_field="kind"):
 
 
 class LatinHypercube(Input, frozen=True, kw_only=True, tag="latin-hypercube", tag_field="kind"):
-    """A Latin hypercube (scipy.stats.qmc): of as many parts of each parameter as there are points, each has one."""
+    """A Latin hypercube (scipy.stats.qmc): the range of each parameter has as many parts as there are points, and each
+    part has one point."""
 
     points: int
 
@@ -72,11 +73,12 @@ class StudyFile(Input, frozen=True, kw_only=True):
     seed: int = 0
     """The seeds of all runs, and the sample of the points, follow from it."""
     common_seeds: bool = False
-    """The runs of every point have the same seeds: neighbours differ by what they are, and share one error."""
+    """The runs of every point have the same seeds: neighbouring points share one sampling error, and differ by their
+    parameters alone."""
     estimators: tuple[str, ...] = ("cascade",)
     metrics: tuple[str, ...]
     windows: int = 101
-    """Windows, evenly spaced over the flight, whose worst the metrics of observability are."""
+    """So many windows, evenly spaced over the flight; the metrics of observability are those of the worst."""
     stop: Stop | None = None
 
     def __post_init__(self) -> None:

@@ -16,7 +16,8 @@ from rangenav.studies.study import POINT, Study
 
 @dataclass(kw_only=True)
 class Extremes:
-    """The least and the largest value of a metric, of runs of their middle, and where it meets its bound."""
+    """The least and the largest value of a metric, and where it meets its bound; of several runs at a point the middle
+    counts."""
 
     least: float = np.inf
     least_at: int = -1

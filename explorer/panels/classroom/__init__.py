@@ -196,7 +196,8 @@ class ClassPanel:
         self._actions.notify("Sent to all", "Every student's page opens what yours shows, as a step of its own.")
 
     def _open_lesson(self, number: int) -> None:
-        """Open a lesson on every student's page; who still followed could not work on it."""
+        """Open a lesson on every student's page, and end the presentation: a page that follows cannot work on a
+        lesson."""
         self._actions.present(False)
         self._classroom.send(lesson=number)
 

@@ -28,7 +28,7 @@ class Attempts:
     def wait(self, browser: str, now: float) -> float:
         """s until a browser may try a code; 0 if it may now, and then the attempt is counted.
 
-        browser: what tells browsers apart; those that say nothing share one supply."""
+        browser: an identifier; browsers without one share one supply of attempts."""
         own = self._browsers.pop(browser, None) or _full(PER_BROWSER, now)
         self._browsers[browser] = own
         while len(self._browsers) > MAX_BROWSERS:

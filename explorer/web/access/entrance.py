@@ -111,7 +111,7 @@ class Entrance:
             return self._visitors.is_student(number)
 
     def on_change(self, listener: Listener) -> Listener:
-        """Have a listener called when somebody comes or leaves. Returns what ends that."""
+        """Have a listener called when somebody comes or leaves. Returns a function that ends this."""
         return self._listeners.add(listener)
 
     def renew(self) -> None:

@@ -42,7 +42,7 @@ class Visitors:
         """Who has opened a tab."""
         self._count = 0
         self._gone: dict[bytes, str] = {}
-        """Why those who were sent out were, by their cookies; of the last so many."""
+        """The reasons why visitors were sent out, by their cookies; only the last ones are kept."""
 
     def admit(self, role: Role, now: float) -> str | None:
         """Let a browser in. Returns the value of its cookie; None for a student if too many were let in."""
