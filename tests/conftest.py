@@ -1,11 +1,12 @@
 """What holds for every test: array shapes are checked, and in CI no browser test may be skipped."""
 
 import gc
+import itertools
 import json
 import os
 import subprocess
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import jaxtyping
@@ -14,7 +15,7 @@ from hypothesis import settings
 from xdist.remote import Producer
 from xdist.scheduler import LoadFileScheduling
 
-from tests.support import compiled_kernels, shape_checker
+from tests.support import compiled_kernels, kept_results, shape_checker
 
 SOURCE = Path(__file__).parent.parent
 BROWSER_TESTS = "tests/browser/"
@@ -40,6 +41,7 @@ settings.load_profile("gate" if os.environ.get("CI") else "developer")
 gc.disable()  # until all tests are collected: nothing of what is made there goes away
 gc.set_threshold(10_000, 20, 20)  # arrays are freed by their count of references; cycles are few and small
 
+kept_results.keep()
 jaxtyping.jaxtyped = shape_checker.sampled  # the hook writes this name above every function
 jaxtyping.install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
 
@@ -102,9 +104,16 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _shapes() -> None:
-    """Each test file has the first calls of its own checked, whatever ran before it."""
+def _shapes() -> Iterator[int]:
+    """Each test file has the first calls of its own checked, whatever ran before it; and the number of each test."""
     shape_checker.begin_file()
+    return itertools.count(1)
+
+
+@pytest.fixture(autouse=True)
+def _later_shapes(_shapes: Iterator[int]) -> None:
+    """Later tests of a file have a few more calls checked."""
+    shape_checker.begin_test(next(_shapes))
 
 
 @pytest.fixture(scope="module")

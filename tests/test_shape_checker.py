@@ -73,6 +73,18 @@ def test_the_first_calls_are_all_checked_and_after_them_the_powers_of_two():
     assert of_three(np.array([2.0, 3.0, 6.0])) == 7.0
 
 
+def test_a_function_of_a_module_runs_as_it_is_written_after_some_calls_until_a_test_checks_one_more():
+    shape_checker.begin_file()
+    count = shape_checker.FIRST + np.log2(shape_checker.LAST / shape_checker.FIRST)
+    code = so3.hat.__code__
+    assert refused(so3.hat, np.ones(3, int), 1000) == count
+    assert so3.hat.__code__ is so3.hat.__wrapped__.__code__ is not code  # pyright: ignore
+    for number, more in ((3, 0), (4, 1), (5, 0), (8, 1)):
+        shape_checker.begin_test(number)
+        assert refused(so3.hat, np.ones(3, int), 1000) == more
+    assert list(inspect.signature(so3.hat).parameters) == ["w"]
+
+
 def test_each_test_file_checks_its_own_first_calls():
     of_three = norm()
     refused(of_three, np.ones(4), 1000)

@@ -8,7 +8,7 @@ from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3, require
 from rangenav.signals.families import Signal
-from rangenav.signals.multirotor import Flown, attitude
+from rangenav.signals.multirotor import Flown, refuse_undefined
 
 MAX_WORK = 5e7
 """Most operations of a formula × times at which it is evaluated: a second on a small machine, at 20 ns each."""
@@ -37,7 +37,7 @@ def refuse_wild(signal: Signal, *, duration: float, rate: float, highest: int) -
 @lru_cache(maxsize=CACHED)
 def refuse_fallen(flown: Flown, path: Signal, *, gravity: Vec3, duration: float, rate: float) -> None:
     """Raise ValueError naming the time if flying the path has no attitude somewhere."""
-    attitude(flown, path, gravity, _moments(duration, rate))
+    refuse_undefined(flown, path, gravity, _moments(duration, rate))
 
 
 def _moments(duration: float, rate: float) -> Float[Array, "n"]:

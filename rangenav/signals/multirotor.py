@@ -62,9 +62,16 @@ def attitude(flown: Flown, path: Signal, gravity: Vec3, time: Float[Array, "n"])
     )
 
 
-def _thrust_axis(path: Signal, gravity: Vec3, time: Array) -> list[Series]:
+def refuse_undefined(flown: Flown, path: Signal, gravity: Vec3, time: Float[Array, "n"]) -> None:
+    """Raise ValueError as `attitude` does at times (s), for a path whose derivatives are finite there."""
+    axis = _thrust_axis(path, gravity, time, order=0)
+    formula.derivatives(flown.yaw, time, ORDER)
+    _turn_from_straight_down(axis, time)
+
+
+def _thrust_axis(path: Signal, gravity: Vec3, time: Array, order: int = ORDER) -> list[Series]:
     """b₃ as three series: up in a z-up world, down where z points down, so that a hover is the identity."""
-    force = (path(time, 2) - np.asarray(gravity), path(time, 3), path(time, 4) / 2)
+    force = (path(time, 2) - np.asarray(gravity), *(path(time, 2 + k) / k for k in range(1, order + 1)))
     size = np.linalg.norm(force[0], axis=-1)
     least = int(np.argmin(size))
     if size[least] < FREE_FALL:
@@ -74,21 +81,15 @@ def _thrust_axis(path: Signal, gravity: Vec3, time: Array) -> list[Series]:
         )
     sign = -1.0 if gravity[2] > 0 else 1.0
     parts = [tuple(sign * part[:, k] for part in force) for k in range(3)]
-    x, y, z = (series.multiply(part, part, ORDER) for part in parts)
-    inverse = series.real_power(series.add(series.add(x, y), z), -0.5, ORDER)
-    return [series.multiply(part, inverse, ORDER) for part in parts]
+    x, y, z = (series.multiply(part, part, order) for part in parts)
+    inverse = series.real_power(series.add(series.add(x, y), z), -0.5, order)
+    return [series.multiply(part, inverse, order) for part in parts]
 
 
 def _tilt(axis: list[Series], time: Array) -> list[list[Series]]:
     """R_tilt = [[1 − x²/(1+z), −xy/(1+z), x], [−xy/(1+z), 1 − y²/(1+z), y], [−x, −y, z]]."""
     x, y, z = axis
-    one = series.constant(1.0)
-    below = series.add(one, z)
-    lowest = int(np.argmin(below[0]))
-    if below[0][lowest] < UPSIDE_DOWN:
-        raise ValueError(
-            f"flown: at t = {time[lowest]:.3g} s the thrust points straight down, where the yaw about it has no meaning"
-        )
+    one, below = series.constant(1.0), _turn_from_straight_down(axis, time)
 
     def over(a: Series, b: Series) -> Series:
         return series.negative(series.divide(series.multiply(a, b, ORDER), below, ORDER))
@@ -99,6 +100,17 @@ def _tilt(axis: list[Series], time: Array) -> list[list[Series]]:
         [mixed, series.add(one, over(y, y)), y],
         [series.negative(x), series.negative(y), z],
     ]
+
+
+def _turn_from_straight_down(axis: list[Series], time: Array) -> Series:
+    """1 + z, by which R_tilt divides. Raises ValueError where it vanishes."""
+    above = series.add(series.constant(1.0), axis[2])
+    lowest = int(np.argmin(above[0]))
+    if above[0][lowest] < UPSIDE_DOWN:
+        raise ValueError(
+            f"flown: at t = {time[lowest]:.3g} s the thrust points straight down, where the yaw about it has no meaning"
+        )
+    return above
 
 
 def _turned(tilt: list[list[Series]], yaw: Series) -> list[list[Series]]:

@@ -1,7 +1,8 @@
 """The checker of shapes and types that conftest wraps around every function: numbers of numpy count as Python's.
 
 A check costs more than most of the functions do, so a sample of the calls is checked: the first ones in every test
-file, and after them those whose number is twice that of the last.
+file, after them those whose number is twice that of the last, and one more in some of the later tests. Counting costs
+more than many functions do, too, so a function of a module has its own code again when its last call was counted.
 """
 
 import dataclasses
@@ -9,7 +10,8 @@ import functools
 import inspect
 import random
 from collections.abc import Callable
-from types import CodeType
+from types import CodeType, FunctionType
+from typing import Any
 
 import numpy as np
 from beartype import BeartypeConf, FrozenDict, beartype
@@ -18,6 +20,8 @@ from jaxtyping import jaxtyped
 
 FIRST = 8
 """So many calls of a function are all checked, in each test file."""
+LAST = 64
+"""The last call that is counted. After it the next call is checked in each test whose number is a power of two."""
 
 checked = beartype(
     conf=BeartypeConf(
@@ -32,23 +36,67 @@ checked = beartype(
 class _Calls:
     """The calls of one function in this test file; an inner function keeps its count when it is defined again."""
 
-    __slots__ = ("left", "next")
+    __slots__ = ("codes", "left", "next")
 
-    def __init__(self) -> None:
+    def __init__(self, codes: "_Codes | None" = None) -> None:
+        self.codes = codes
         self.begin()
 
     def begin(self) -> None:
         """The first call is checked."""
         self.next, self.left = 1, 1
+        if self.codes:
+            self.codes.count()
+
+    def once_more(self) -> None:
+        """The next call is checked, of a function whose calls are not counted any more."""
+        if self.codes and self.next > LAST:
+            self.left = 1
+            self.codes.count()
 
     def plan(self) -> None:
         """The call that was to be checked next has come: plan another one, to which `left` counts down."""
         this = self.next
         self.next = this + 1 if this < FIRST else 2 * this
         self.left = self.next - this
+        if self.codes and self.next > LAST:
+            self.codes.rest()
 
 
-_calls: dict[CodeType, _Calls] = {}
+class _Codes:
+    """The two codes of a function: its own, and one that calls another function, which counts and checks."""
+
+    __slots__ = ("counting", "function", "own")
+
+    def __init__(self, function: FunctionType) -> None:
+        self.function = function
+        self.own = self.counting = function.__code__
+
+    def count_by(self, counting: Callable) -> None:
+        """The other function, which stands as a constant in the code that calls it."""
+        constants = tuple(counting if one == PLACE else one for one in _call.__code__.co_consts)
+        self.counting = _call.__code__.replace(
+            co_consts=constants, co_freevars=self.own.co_freevars, co_name=self.own.co_name
+        )
+
+    def count(self) -> None:
+        self.function.__code__ = self.counting
+
+    def rest(self) -> None:
+        self.function.__code__ = self.own
+
+
+PLACE = "the place of the function that counts"
+
+
+def _call(*args, **kwargs):
+    counting: Any = "the place of the function that counts"
+    return counting(*args, **kwargs)
+
+
+_calls: list[_Calls] = []
+_inner: dict[CodeType, _Calls] = {}
+_checked: set[CodeType] = set()
 
 
 def sampled(*, typechecker: Callable) -> Callable:
@@ -64,9 +112,31 @@ def sampled(*, typechecker: Callable) -> Callable:
     return decorate
 
 
-def _sampled_function(bare: Callable, typechecker: Callable) -> Callable:
+def _sampled_function(function: Any, typechecker: Callable) -> Callable:
+    """The function with its checks: itself, with two codes, or for an inner function or a generator another one."""
+    code = function.__code__
+    _checked.add(code)
+    if "<locals>" in function.__qualname__ or inspect.isgeneratorfunction(function):
+        if code not in _inner:
+            _inner[code] = _Calls()
+            _calls.append(_inner[code])
+        return _counted(function, typechecker, _inner[code])
+    bare = FunctionType(code, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
+    bare.__kwdefaults__ = function.__kwdefaults__
+    functools.update_wrapper(bare, function)
+    vars(bare).pop("__wrapped__")
+    function.__wrapped__ = bare  # whose signature is read
+    codes = _Codes(function)
+    calls = _Calls(codes)
+    codes.count_by(_counted(bare, typechecker, calls))
+    calls.begin()
+    _calls.append(calls)
+    return function
+
+
+def _counted(bare: Callable, typechecker: Callable, calls: _Calls) -> Callable:
     """The function with its checks, which are made when they are first needed."""
-    calls, checking = _calls.setdefault(bare.__code__, _Calls()), None
+    checking = None
 
     @functools.wraps(bare)
     def sample(*args, **kwargs):
@@ -90,10 +160,17 @@ def _sampled_function(bare: Callable, typechecker: Callable) -> Callable:
 
 def is_checked(function: Callable) -> bool:
     """Whether calls of this function are counted and checked."""
-    return inspect.unwrap(function).__code__ in _calls
+    return inspect.unwrap(function).__code__ in _checked
 
 
 def begin_file() -> None:
     """Every count starts again at zero."""
-    for calls in _calls.values():
+    for calls in _calls:
         calls.begin()
+
+
+def begin_test(number: int) -> None:
+    """The test of this number in its file begins; those of a power of two check one more call of each function."""
+    if number & (number - 1) == 0:
+        for calls in _calls:
+            calls.once_more()

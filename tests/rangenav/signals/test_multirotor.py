@@ -1,6 +1,7 @@
 """The attitude of a multirotor: thrust along the specific force, rates that are the derivatives of what they turn."""
 
 import math
+from collections.abc import Callable
 
 import msgspec
 import numpy as np
@@ -23,6 +24,8 @@ GENTLE = Multisine(
 )
 YAW = Flown(yaw="0.7*sin(1.3*t) + t/3")
 gravities = pytest.mark.parametrize("gravity", [DOWN, UP])
+both = pytest.mark.parametrize("judged", [multirotor.attitude, multirotor.refuse_undefined])
+"""What has no attitude is refused by the attitude itself and, before a run, by a check of what it needs."""
 
 
 @gravities
@@ -81,26 +84,29 @@ def test_integrating_the_rates_gives_the_attitude():
     assert error < 1e-5  # order two on 2400 steps
 
 
-def test_a_free_fall_has_no_attitude_and_says_when():
+@both
+def test_a_free_fall_has_no_attitude_and_says_when(judged: Callable):
     falling = Formula(z="9.81*t**2/2")
     with pytest.raises(ValueError, match=r"flown: at t = 0 s the path falls freely \(specific force 0 m/s²\)"):
-        multirotor.attitude(Flown(), falling, DOWN, np.linspace(0, 1, 5))
+        judged(Flown(), falling, DOWN, np.linspace(0, 1, 5))
     passing = Formula(z="-4.905*cos(t)*2")  # its acceleration reaches gravity where cos t = 1
     with pytest.raises(ValueError, match=r"at t = 6.28 s the path falls freely"):
-        multirotor.attitude(Flown(), passing, DOWN, np.linspace(3, 9, 6001))
+        judged(Flown(), passing, DOWN, np.linspace(3, 9, 6001))
 
 
-def test_thrust_straight_down_has_no_yaw_and_says_when():
+@both
+def test_thrust_straight_down_has_no_yaw_and_says_when(judged: Callable):
     diving = Formula(z="10*t**2")  # z is down: faster than falling
     with pytest.raises(ValueError, match="flown: at t = 0 s the thrust points straight down"):
-        multirotor.attitude(Flown(), diving, DOWN, np.linspace(0, 1, 5))
+        judged(Flown(), diving, DOWN, np.linspace(0, 1, 5))
 
 
-def test_a_yaw_that_is_no_formula_is_refused_at_its_column():
+@both
+def test_a_yaw_that_is_no_formula_is_refused_at_its_column(judged: Callable):
     with pytest.raises(ValueError, match=r"yaw: sine is not known: did you mean sin\? \(column 3\)"):
         Flown(yaw="2*sine(t)")
     with pytest.raises(ValueError, match=r"1/t is not finite at t = 0 s"):
-        multirotor.attitude(Flown(yaw="1/t"), GENTLE, DOWN, np.linspace(0, 1, 5))
+        judged(Flown(yaw="1/t"), GENTLE, DOWN, np.linspace(0, 1, 5))
 
 
 def test_a_flown_preset_is_observed_and_its_gramian_does_not_care():
