@@ -59,9 +59,9 @@ def test_every_function_and_every_result_of_the_library_is_checked():
 def test_a_wrong_shape_a_wrong_type_and_a_wrong_result_are_refused():
     with pytest.raises(TypeCheckError, match=r"rangenav\.so3\.hat"):
         so3.hat(np.zeros((4, 4)))
-    with pytest.raises(TypeCheckError, match="'vector'"):
+    with pytest.raises(TypeCheckError, match="parameter vector='abc'"):
         norm()("abc")
-    with pytest.raises(TypeCheckError, match="return value"):
+    with pytest.raises(TypeCheckError, match='return "array'):
         norm(wrong_result=True)(np.ones(3))
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from beartype import BeartypeConf, FrozenDict, beartype
 from hypothesis import currently_in_test_context
-from jaxtyping import jaxtyped
+from jaxtyping import TypeCheckError, jaxtyped
 
 FIRST = 8
 """So many calls of a function are all checked, in each test file."""
@@ -25,9 +25,10 @@ LAST = 64
 
 checked = beartype(
     conf=BeartypeConf(
+        violation_type=TypeCheckError,
         hint_overrides=FrozenDict(
             {bool: bool | np.bool_, int: int | np.integer, float: float | int | np.floating | np.integer}
-        )
+        ),
     )
 )
 """Arrays are checked by jaxtyping's shapes. A scalar of numpy is accepted in place of one of Python."""
@@ -146,7 +147,7 @@ def _counted(bare: Callable, typechecker: Callable, calls: _Calls) -> Callable:
             return bare(*args, **kwargs)
         calls.plan()
         if checking is None:
-            checking = jaxtyped(bare, typechecker=typechecker)
+            checking = _checking(bare, typechecker)
         if not currently_in_test_context():
             return checking(*args, **kwargs)
         state = random.getstate()
@@ -156,6 +157,17 @@ def _counted(bare: Callable, typechecker: Callable, calls: _Calls) -> Callable:
             random.setstate(state)
 
     return sample
+
+
+def _checking(bare: Callable, typechecker: Callable) -> Callable:
+    """The function with checks of its parameters and then of its result: `jaxtyped` alone checks the parameters twice.
+
+    What a generator yields, and names that are known to a type checker only, it alone leaves unchecked.
+    """
+    named = any(isinstance(hint, str) for hint in inspect.get_annotations(bare).values())
+    if named or inspect.isgeneratorfunction(bare):
+        return jaxtyped(bare, typechecker=typechecker)
+    return jaxtyped(typechecker(bare), typechecker=None)
 
 
 def is_checked(function: Callable) -> bool:

@@ -1,10 +1,12 @@
 """Every file that is written, read by a tool nobody here wrote: evo, GTSAM, cflib, mcap, scipy."""
 
+import json
 import os
 import struct
 import subprocess
 import sys
 from pathlib import Path
+from subprocess import PIPE
 from typing import Any
 
 import numpy as np
@@ -22,20 +24,36 @@ from tests.support.signal_examples import eight
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # other people's warnings are theirs
 
 
+RUN_EACH = """
+import contextlib, io, json, runpy, sys
+for line in sys.stdin:
+    sys.argv, code, said = json.loads(line), 0, io.StringIO()
+    with contextlib.redirect_stdout(said):
+        try:
+            runpy.run_path(sys.argv[0], run_name="__main__")
+        except SystemExit as stop:
+            code = stop.code or 0
+    print(json.dumps([code, said.getvalue()]), flush=True)
+"""
+"""Runs the scripts that it is sent, one after the other: each alone would import pandas for half a second."""
+
+
 @pytest.fixture(scope="module")
 def evo(tmp_path_factory):
     """evo(tool, arguments) -> what it printed, after success; its settings go to a folder of their own."""
     pytest.importorskip("evo", reason="evo is not installed (the extra interop has it)")
-    home = tmp_path_factory.mktemp("home")
+    environment = {**os.environ, "HOME": str(tmp_path_factory.mktemp("home")), "MPLBACKEND": "agg"}
+    command = [sys.executable, "-c", RUN_EACH]
+    with subprocess.Popen(command, env=environment, stdin=PIPE, stdout=PIPE, text=True) as tools:
 
-    def call(tool, *arguments):
-        command = [str(Path(sys.executable).parent / tool), *map(str, arguments)]
-        environment = {**os.environ, "HOME": str(home), "MPLBACKEND": "agg"}
-        finished = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
-        assert finished.returncode == 0, finished.stdout + finished.stderr
-        return finished.stdout
+        def call(tool, *arguments):
+            script = Path(sys.executable).parent / tool
+            print(json.dumps([str(script), *map(str, arguments)]), file=tools.stdin, flush=True)
+            code, said = json.loads(present(tools.stdout).readline())
+            assert code == 0, said
+            return said
 
-    return call
+        yield call
 
 
 EVO = {

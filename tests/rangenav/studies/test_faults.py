@@ -1,29 +1,37 @@
 """Processes are killed in the middle of a study: what is finished is kept and counted once, and the end is bit-equal.
 
-One scheduler and two workers serve all faults, one after the other, for each new process imports for seconds.
+One scheduler and two workers serve all faults, one after the other. All but the scheduler, whose clock is not the
+machine's, are forked from a process that has imported the library.
 """
 
+import itertools
 import json
-import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
 
 from rangenav.studies import blocks, creation, store, study, study_file, tasks
+from tests.support.forked import forked
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        find_spec("distributed") is None, reason="distributed is not installed (the extra studies has it)"
+    ),
+]
 
-pytest.importorskip("distributed")
 SECONDS = 60.0
 """The longest wait for anything here."""
-POINTS, RUNS = 32, 40
+POINTS, RUNS = 32, 24
+PROGRAM, WORKER = "rangenav.__main__", "distributed.cli.dask_worker"
 BEYOND = 3
 """Parts that show that a new client has dealt out work: the workers finish two more for one that is gone."""
 JUMPING = """
@@ -63,7 +71,6 @@ def process(*command: object) -> Iterator[subprocess.Popen[str]]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "5s"},
         preexec_fn=lambda: (
             signal.signal(signal.SIGINT, signal.SIG_DFL) and None
         ),  # a shell in the background ignores it
@@ -102,44 +109,48 @@ def chunks(of: Path) -> dict[str, bytes]:
 
 
 def test_workers_clients_scheduler_and_clock_fail_and_the_store_is_that_of_a_study_without_a_fault(
-    heavy: Path, tmp_path: Path
+    heavy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
+    monkeypatch.setenv("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "5s")
     path, address = tmp_path / "heavy.zarr", tmp_path / "scheduler.json"
     parts = empty(heavy, path).blocks.count
-    run = (sys.executable, "-m", "rangenav", "study", "run", heavy, "-o", path, "--scheduler")
-    start_scheduler = (sys.executable, "-c", JUMPING, "--port", 0, "--host", "127.0.0.1", "--scheduler-file", address)
-    start_worker = (sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", address, "--nthreads", 1)
-    start_worker += ("--no-nanny", "--no-dashboard", "--local-directory", tmp_path)
-    with (
-        process(*start_scheduler, "--no-dashboard") as scheduler,
-        process(*start_worker) as first,
-        process(*start_worker) as second,
-    ):
-        until(address.exists)
+    folders = (tmp_path / f"{number}" for number in itertools.count())
+    command = (sys.executable, "-c", JUMPING, "--port", 0, "--host", "127.0.0.1", "--scheduler-file", address)
+
+    def worker():
+        options = ("--nthreads", 1, "--no-nanny", "--no-dashboard", "--local-directory", tmp_path)
+        return forked(WORKER, "--scheduler-file", address, *options, folder=next(folders))
+
+    def client():
         there = json.loads(address.read_text())["address"]
-        with process(*run, there) as client:
-            more(path)
-            client.kill()
-        with process(*run, there) as client:
-            more(path, BEYOND)
-            first.kill()
-            scheduler.send_signal(signal.SIGUSR1)
-            more(path, BEYOND)
-            client.kill()
-        with process(*run, there) as client:
-            more(path, BEYOND)
-            second.kill()
-            scheduler.send_signal(signal.SIGUSR2)
-            with process(*start_worker):
+        return forked(PROGRAM, "study", "run", heavy, "-o", path, "--scheduler", there, folder=next(folders))
+
+    with process(*command, "--no-dashboard") as scheduler:
+        until(address.exists)
+        with worker() as first, worker() as second:
+            with client() as one:
+                more(path)
+                one.kill()
+            with client() as one:
                 more(path, BEYOND)
-                client.kill()
-                with process(*run, there) as client:
+                first.kill()
+                scheduler.send_signal(signal.SIGUSR1)
+                more(path, BEYOND)
+                one.kill()
+            with client() as one:
+                more(path, BEYOND)
+                second.kill()
+                scheduler.send_signal(signal.SIGUSR2)
+                with worker():
                     more(path, BEYOND)
-                    scheduler.kill()
-                    out, err = client.communicate(timeout=SECONDS)
-                assert (client.returncode, out) == (2, "")
-                assert f"of {parts} parts are kept, and the same command goes on" in err.splitlines()[-1]
-                assert "Traceback" not in err
+                    one.kill()
+                    with client() as one:
+                        more(path, BEYOND)
+                        scheduler.kill()
+                        code, out, err = one.ended(SECONDS)
+                    assert (code, out) == (2, "")
+                    assert f"of {parts} parts are kept, and the same command goes on" in err.splitlines()[-1]
+                    assert "Traceback" not in err
     of, untouched = store.opened(path), empty(heavy, tmp_path / "untouched.zarr")
     missing = set(range(parts)) - set(of.done())
     assert 0 < len(missing) < parts - 5 * BEYOND

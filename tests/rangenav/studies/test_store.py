@@ -6,6 +6,7 @@ The clusters are of threads in this process; test_faults has processes.
 import resource
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,13 +19,11 @@ from rangenav.studies.stopping import Stop
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
-distributed = pytest.importorskip("distributed")
-xarray = pytest.importorskip("xarray")
-
 
 @pytest.fixture(scope="module")
 def client():
     """A dask client of two threads in this process."""
+    distributed = pytest.importorskip("distributed")
     with (
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, protocol="inproc"
@@ -49,6 +48,11 @@ def copy(whole: store.Store, tmp_path: Path) -> Path:
     return Path(shutil.copytree(whole.path, tmp_path / "small.zarr"))
 
 
+def loaded(path: Path) -> Any:
+    """The store as xarray reads it."""
+    return pytest.importorskip("xarray").open_zarr(path).load()
+
+
 def same(path: Path, other: Path) -> bool:
     """Whether two stores hold the same bytes, but for the receipts, which say how long the parts took."""
 
@@ -61,7 +65,7 @@ def same(path: Path, other: Path) -> bool:
 def test_xarray_opens_a_store_with_its_dimensions_coordinates_units_and_the_studys_file(
     whole: store.Store, small: study.Study
 ):
-    opened = xarray.open_zarr(whole.path).load()
+    opened = loaded(whole.path)
     block = evaluation.block(small, range(small.count))
     assert dict(opened.sizes) == {"world_anchor_x": 4, "time_scale": 3, "estimator": 1, "run": 4}
     assert opened.world_anchor_x.values.tolist() == np.linspace(-2, 2, 4).tolist()
@@ -80,7 +84,7 @@ def test_a_sample_has_its_parameters_as_coordinates_of_its_points_and_an_invalid
     design = study.study_file.LatinHypercube(points=4)
     of = study.of_file(replace(small.file, parameters=(rates,), design=design, metrics=("rank",)), small.bases)
     state = running.run(of, tmp_path / "sample.zarr", client=client)
-    opened = xarray.open_zarr(tmp_path / "sample.zarr").load()
+    opened = loaded(tmp_path / "sample.zarr")
     assert (state.points, state.invalid, state.runs) == (4, 2, 0)
     wrong = opened.sensors_imu_rate.values == -5
     assert opened["rank"].dims == ("point",)
@@ -106,7 +110,7 @@ def test_the_store_is_the_same_for_other_parts_in_another_order(whole: store.Sto
     made = creation.created(path, small, blocks.divided(small.shape, 5))
     for part in reversed(range(made.blocks.count)):
         tasks.compute(str(path), small.digest, part)
-    one, two = xarray.open_zarr(path).load(), xarray.open_zarr(whole.path).load()
+    one, two = loaded(path), loaded(whole.path)
     assert one.drop_attrs().identical(two.drop_attrs())
 
 
@@ -158,7 +162,7 @@ def test_a_table_has_a_row_for_each_point_or_for_each_run(whole: store.Store, tm
     assert export.to_csv(whole, tmp_path / "points.csv") == 12
     assert export.to_parquet(whole, tmp_path / "runs.parquet", every_run=True) == 48
     table = parquet.read_table(tmp_path / "runs.parquet").to_pydict()
-    opened = xarray.open_zarr(whole.path).load()
+    opened = loaded(whole.path)
     row = table["seed"].index(whole.study.seed(5, 2))
     assert table["steady_position"][row] == opened.steady_position.values[1, 2, 0, 2]
     head, *lines = (tmp_path / "points.csv").read_text().splitlines()
