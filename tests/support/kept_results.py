@@ -7,7 +7,7 @@ import functools
 import sys
 from collections.abc import Callable
 
-KEPT = {
+KEPT = (
     "rangenav.analysis",
     "rangenav.certificate.advice",
     "rangenav.certificate.certified_export",
@@ -18,21 +18,21 @@ KEPT = {
     "rangenav.observability.worst_excitation",
     "rangenav.observability.worst_rank",
     "rangenav.signals.checks",
-}
-"""Their results are small, and take tenths of a second each."""
+)
+"""Modules and packages. Their results are small, and take tenths of a second each."""
 MANY = 256
 
 
 def keep() -> None:
     """Must come before the modules are imported."""
-    assert KEPT.isdisjoint(sys.modules)
+    assert not any(name.startswith(KEPT) for name in sys.modules)
     functools.lru_cache = _kept(functools.lru_cache)
 
 
 def _kept(lru_cache: Callable) -> Callable:
     def cache(maxsize=128, typed=False):
         def decorate(function):
-            return lru_cache(MANY if function.__module__ in KEPT else maxsize, typed)(function)
+            return lru_cache(MANY if function.__module__.startswith(KEPT) else maxsize, typed)(function)
 
         return lru_cache(maxsize) if callable(maxsize) else decorate
 
