@@ -275,7 +275,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--visitors", type=int, default=30)
     parser.add_argument("--minutes", type=float, default=10.0, help="of dragging after the warm-up")
-    parser.add_argument("--warm-up", type=float, default=1.0, help="minutes of dragging before")
+    parser.add_argument("--warm-up", type=float, default=2.0, help="minutes of dragging before")
     parser.add_argument("--chromium", action="store_true", help="two real tabs instead")
     arguments = parser.parse_args()
     main(arguments.visitors, arguments.minutes, arguments.warm_up, arguments.chromium)

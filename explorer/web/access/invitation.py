@@ -38,7 +38,8 @@ def invitation(entrance: Entrance, page: str) -> str:
         f"For you alone: {entrance.link(Role.TEACHER, page)}\n"
         f"For students:  {students}\n"
         f"or {page} and the code {entrance.code}\n\n"
-        f"{drawn.getvalue()}"
+        f"{drawn.getvalue()}\n"
+        "Ctrl+C ends the class. The tab Class shows a new code and link, once they were replaced there."
     )
 
 
