@@ -174,7 +174,7 @@ class StudentsPart:
             go_to=actions.go_to,
             open_tab=partial(keys.go_to_tab, visit.client),
         )
-        self._entrance, self._number = shared.entrance, number
+        self._entrance, self._classroom, self._number = shared.entrance, shared.classroom, number
         self._end = shared.classroom.listen(visit.wake)
 
     @property
@@ -193,8 +193,14 @@ class StudentsPart:
 
     def after(self, settings: Settings | None) -> None:
         self._follower.look()
-        if self._entrance is not None and self._entrance.has(self._number):  # a class that is over is forgotten
+        if self._inside:  # a class that is over is forgotten
             self._follower.report()
+            if not self._inside:  # it ended meanwhile
+                self._classroom.forget(self._number)
+
+    @property
+    def _inside(self) -> bool:
+        return self._entrance is not None and self._entrance.has(self._number)
 
     def tick(self, settings: Settings | None) -> None: ...
 
