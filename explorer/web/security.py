@@ -149,11 +149,11 @@ def _checked(
             return connection.respond(414, f"An address of this page has at most {MAX_PATH} characters.\n")
         if request.path == HEALTH_PATH:
             return connection.respond(200, "ok\n")
-        told = None if entrance is None else entrance.answer(request, port)
-        if told is None and request.path == METRICS_PATH:
-            told = Answer(200, metrics.text(), content_type=CONTENT_TYPE)
-        if told is not None:
-            return _response(connection, told)
+        answer = None if entrance is None else entrance.answer(request, port)
+        if answer is None and request.path == METRICS_PATH:
+            answer = Answer(200, metrics.text(), content_type=CONTENT_TYPE)
+        if answer is not None:
+            return _response(connection, answer)
         if request.path.partition("?")[0] == "/":
             visited.set()
         try:

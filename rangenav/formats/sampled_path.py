@@ -19,7 +19,7 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.arguments import finite_array, increasing_array
-from rangenav.formats import reference
+from rangenav.formats import reference, reference_fit
 from rangenav.formats.import_result import GAP, ImportResult
 from rangenav.formats.recorded_flight import Frame
 from rangenav.inputs import require
@@ -59,7 +59,7 @@ def from_arrays(
     findings = [f"{len(time)} samples over {time[-1] - time[0]:.4g} s", *_gaps(time)]
     if time[0] != 0:
         findings.append(f"the first sample is at {time[0]:.6g} s, which is t = 0 of the path")
-    path, largest, fitted, unjudged = reference.path_through(
+    path, largest, fitted, unjudged = reference_fit.path_through(
         time - time[0], samples[0], list(samples[1:]), knots, name, findings
     )
     return ImportResult(

@@ -15,7 +15,7 @@ from explorer.model.settings import Settings, effective
 from explorer.storage import import_file, preset_file
 from rangenav import axes, certificate, formats, preset, provenance, repair, signals, verdict
 from rangenav.certificate import exports
-from rangenav.formats import reference
+from rangenav.formats import reference_fit
 from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
 from rangenav.provenance import Source
@@ -121,7 +121,7 @@ def test_an_import_tells_where_the_snap_is_from(imported, answer, tmp_path: Path
         fit = kind == "jerk"
         assert said["snap_from"] == ("a fit: it is not in the file" if fit else "the file")
         assert (said["verdict"] is None, said["excitation"] is None, said["rank"] is None) == (fit,) * 3
-        assert (reference.IMPLIED in said["findings"]) == fit
+        assert (reference_fit.IMPLIED in said["findings"]) == fit
 
 
 def test_every_command_that_prints_a_verdict_has_one_spelling_of_it(imported, answer, tmp_path: Path):

@@ -58,8 +58,8 @@ def outcome(tuned: Tuned, runs: int) -> str:
     if tuned.after is tuned.before:
         return f"auto-tune: none of the {len(tuned.points) - 1} other gains tried did better than those on the page"
     pairs = [(figure.name, figure.of(tuned.held_out_before), figure.of(tuned.held_out_after)) for figure in FIGURES]
-    told = (f"{name} {significant(before)} → {significant(after)}" for name, before, after in pairs)
-    return f"auto-tune, {'mean of ' if runs > 1 else ''}{_runs(runs)} with other noise: {', '.join(told)}"
+    changes = (f"{name} {significant(before)} → {significant(after)}" for name, before, after in pairs)
+    return f"auto-tune, {'mean of ' if runs > 1 else ''}{_runs(runs)} with other noise: {', '.join(changes)}"
 
 
 def _runs(count: int) -> str:
