@@ -15,6 +15,8 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 PATIENT = 1.0
 """s: what is done sooner shows no progress."""
+WIDTH = 12
+"""Columns of a bar that has a text behind it."""
 LINE_EVERY, LINES = 30.0, 20
 """s between two lines of a log; after ten minutes, this share of the time so far."""
 
@@ -63,7 +65,7 @@ def describing(task: str) -> Iterator[Callable[[float | None, str], None]]:
         with _Log(task) as log:
             yield lambda _share, words: log.say(words)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}"))
+    columns = (TextColumn("{task.description}"), BarColumn(WIDTH), TextColumn("{task.fields[words]}"))
     with Progress(*columns, console=console, transient=True) as bar:
         number = bar.add_task(task, total=1.0, words="")
         yield lambda share, words: bar.update(number, completed=share, words=words)

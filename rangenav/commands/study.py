@@ -21,7 +21,7 @@ from rangenav.inputs import require
 if TYPE_CHECKING:
     from rangenav.studies.running import State
 
-TRIAL = "trying a few points; the first time on a machine, kernels compile for a minute"
+TRIAL = "timing a few points (compiles the first time)"
 STOPPED = 130
 """The exit code of a program that Ctrl+C ended."""
 

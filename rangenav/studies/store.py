@@ -6,6 +6,7 @@ attributes     the study's file and its presets as TOML, so that a store can be 
 """
 
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -62,7 +63,9 @@ class Store:
             self.arrays[name][region] = block.runs[..., k].reshape(*extent, *block.runs.shape[1:3])
         self.arrays[RUNS][region] = block.count.astype(np.int32).reshape(extent)
         self.arrays[REASON][region] = block.reason.reshape(extent)
-        files = tuple((name, receipts.flushed(self.path / name)) for name in self.chunks(part))
+        names = tuple(self.chunks(part))
+        with ThreadPoolExecutor(len(names)) as pool:  # the disk flushes several files in the time of one
+            digests = tuple(pool.map(receipts.flushed, (self.path / name for name in names)))
         receipt = Receipt(
             part=part,
             study=self.study.digest,
@@ -72,7 +75,7 @@ class Store:
             width=width,
             met=met,
             seconds=seconds,
-            files=files,
+            files=tuple(zip(names, digests, strict=True)),
         )
         receipts.write(self.path, receipt)
         return receipt

@@ -14,7 +14,7 @@ MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 SIZES = ("B", "kB", "MB", "GB", "TB")
 THOUSAND = 1000.0
 MOST_REASONS = 5
-STAGES = {"workers": "workers start", "kernels": "kernels are loaded; the first time on a machine they compile"}
+STAGES = {"workers": "workers start", "kernels": "loading kernels (compiles the first time)"}
 
 
 def progress(state: "State", watched: str | None) -> str:
@@ -29,7 +29,7 @@ def progress(state: "State", watched: str | None) -> str:
     if state.left is not None:
         parts.append(f"{duration(state.left)} left")
     if state.width is not None and watched is not None:
-        parts.append(f"95 % interval of {watched} ±{percent(state.width)}")
+        parts.append(f"±{percent(state.width)} (95 %, {watched})")
     return " · ".join(parts)
 
 
@@ -175,7 +175,7 @@ def _meeting(row: Json, valid: int) -> list[str]:
     if row["bound"] is None:
         return []
     sign, level = "at most" if row["bound"]["at_most"] else "at least", quantity(row["bound"]["level"], row["unit"])
-    rule = "" if row["middle"] == "share" else f" ({sign} {level})"
+    rule = " in half of the runs" if row["middle"] == "share" else f" ({sign} {level})"
     return [f"{row['bound_words']}{rule}: {_points(row, valid)}"]
 
 
