@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -188,15 +189,31 @@ def observed(
     form: model.ModelForm,
 ) -> Outcome:
     """The observers' result on a record, with the time it took; never cached, so the time is measured."""
+    (outcome,) = observed_each(truth, [measurements], world, sensors, [gains], guess, form)
+    return outcome
+
+
+def observed_each(
+    truth: Truth,
+    measurements: Sequence[Measurements],
+    world: World,
+    sensors: Sensors,
+    gains: Sequence[Gains],
+    guess: Guess,
+    form: model.ModelForm,
+) -> list[Outcome]:
+    """The same of several records of one truth, each with its gains; the time is an equal share of all of them."""
     start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=world)
+    settings = [ObserverConfig(world=world, sensors=sensors, gains=one, form=form) for one in gains]
     began = time.perf_counter()
-    estimate = cascade.observe(
-        measurements, start, ObserverConfig(world=world, sensors=sensors, gains=gains, form=form)
-    )
-    seconds = time.perf_counter() - began
-    run_errors = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    summary = summarise(estimate, measurements, run_errors, seconds, range_sigma=sensors.sigma.range)
-    return Outcome(estimate=estimate, errors=run_errors, summary=summary)
+    estimates = cascade.observe_each(measurements, [start] * len(measurements), settings)
+    seconds = (time.perf_counter() - began) / max(len(estimates), 1)
+    outcomes = []
+    for estimate, z in zip(estimates, measurements, strict=True):
+        run_errors = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+        summary = summarise(estimate, z, run_errors, seconds, range_sigma=sensors.sigma.range)
+        outcomes.append(Outcome(estimate=estimate, errors=run_errors, summary=summary))
+    return outcomes
 
 
 def summarise(
@@ -239,13 +256,17 @@ def steady_of_each(errors: Float[Array, "j n"]) -> Float[Array, "j"]:
 
 def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> float | None:
     """The time from which on the error stays below the limit; None if it is above it in the last tenth of the run."""
-    above = ~(error < limit)[::-1]
-    below = int(np.argmax(above))  # samples at the end
-    if not above[below]:
-        return float(time[0])
+    (since,) = settled_of_each(time, error[None], limit)
+    return float(since) if math.isfinite(since) else None
+
+
+def settled_of_each(time: Float[Array, "n"], errors: Float[Array, "j n"], limit: float) -> Float[Array, "j"]:
+    """The same of many errors; infinite in place of None."""
+    above = ~(errors < limit)[:, ::-1]
+    below = np.argmax(above, axis=1)  # samples at the end
     latest = time[-1] - SETTLED_SHARE * (time[-1] - time[0])
-    since = np.inf if below == 0 else float(time[len(time) - below])
-    return since if since <= latest else None
+    since = np.where(below == 0, np.inf, time[np.minimum(len(time) - below, len(time) - 1)])
+    return np.where(above[np.arange(len(errors)), below], np.where(since <= latest, since, np.inf), time[0])
 
 
 def save(record: Record, path: str | Path) -> None:

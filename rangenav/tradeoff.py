@@ -15,7 +15,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from rangenav import cascade, ensemble, errors, record
-from rangenav.cascade import ObserverConfig, Start
+from rangenav.cascade import Estimate, ObserverConfig, Start
 from rangenav.gains import Gains
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled
@@ -28,6 +28,8 @@ NEVER = 2.0
 """A run that does not settle counts as settling after this many durations."""
 WORST = 1e6
 """Largest steady error in units of the settled error; larger and non-finite errors count as this."""
+RUNS_TOGETHER = 8
+"""Runs with constant gains that one thread makes side by side; no result depends on it."""
 Measure = Literal["settle", "settle_position", "settle_attitude", "steady", "steady_position", "steady_attitude"]
 
 
@@ -97,13 +99,15 @@ def runs(preset: Preset, first: int, count: int) -> list[TrainingRun]:
 def score(gains: Gains, runs: list[TrainingRun], *, preset: Preset, cancelled: Cancelled) -> Point:
     """Settling time and steady error of gains on runs of a preset. Raises CancelledError when it is cancelled."""
     setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=gains)
-    results = ensemble.each(
+    size = RUNS_TOGETHER if gains.mode == "constant" else 1
+    jobs = ensemble.each(
         partial(_settling_and_steady, setting),
-        runs,
-        samples=len(runs[0].measurements.time),
+        [runs[first : first + size] for first in range(0, len(runs), size)],
+        samples=size * len(runs[0].measurements.time),
         progress=lambda _: None,
         cancelled=cancelled,
     )
+    results = [result for job in jobs for result in job]
     settle, steady = (np.array(part) for part in zip(*results, strict=True))
     ends = NEVER * preset.duration
     settles = np.exp(np.mean(np.log(np.where(np.isfinite(settle), np.maximum(settle, SOONEST), ends)), axis=0))
@@ -120,9 +124,14 @@ def score(gains: Gains, runs: list[TrainingRun], *, preset: Preset, cancelled: C
     )
 
 
-def _settling_and_steady(setting: ObserverConfig, run: TrainingRun) -> tuple[list[float], list[float]]:
-    """Settling times (infinite if the run does not settle) and steady errors, of position and attitude."""
-    estimate, truth = cascade.observe(run.measurements, run.start, setting), run.truth
+def _settling_and_steady(setting: ObserverConfig, runs: list[TrainingRun]) -> list[tuple[list[float], list[float]]]:
+    """Settling times (infinite if the run does not settle) and steady errors, of position and attitude, of each run."""
+    measured, starts = [run.measurements for run in runs], [run.start for run in runs]
+    estimates = cascade.observe_each(measured, starts, [setting] * len(runs))
+    return [_figures(estimate, run.truth) for estimate, run in zip(estimates, runs, strict=True)]
+
+
+def _figures(estimate: Estimate, truth: Truth) -> tuple[list[float], list[float]]:
     tracking = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
     settle, steady = [], []
     limits = (record.SETTLED_POSITION, record.SETTLED_ATTITUDE)

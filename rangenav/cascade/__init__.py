@@ -7,6 +7,7 @@ Exponentially stable is not monotone: from x̂ = 0 the position error first peak
 """
 
 from rangenav.cascade.one_sample import begin, checked_sample, checked_start, parameters, start, step
+from rangenav.cascade.side_by_side import observe_each
 from rangenav.cascade.values import Estimate, ObserverConfig, Sample, Start, State
 from rangenav.cascade.whole_record import attitude_errors, attitudes, observe, ranges_at_imu_rate
 
@@ -22,6 +23,7 @@ __all__ = [
     "checked_sample",
     "checked_start",
     "observe",
+    "observe_each",
     "parameters",
     "ranges_at_imu_rate",
     "start",

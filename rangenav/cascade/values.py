@@ -150,6 +150,14 @@ def attitude_kernel() -> ModuleType:
 
 
 @cache
+def lanes_kernel() -> ModuleType:
+    """Likewise."""
+    from rangenav.kernels import lanes as kernel
+
+    return kernel
+
+
+@cache
 def kernel() -> ModuleType:
     """The compiled kernels, imported where they are used: numba alone takes as long to import as everything else."""
     from rangenav.kernels import cascade as kernel

@@ -24,9 +24,9 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     """
     z = check(measurements)
     count, ranges = len(z.time), len(z.range_time)
-    state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
+    state = begin(first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
     shapes = ((count, model.STATES), (count, 3, 3, 3), (count, 4), (count, 3, 3), (count,), (count, 3), (ranges, 2))
-    states, covariances, xi_variances, rotations, k1, mag, innovation = _together(shapes)
+    states, covariances, xi_variances, rotations, k1, mag, innovation = together(shapes)
     phase = np.empty(count, dtype=np.int8)
     innovation[:] = np.nan
     estimate = Estimate(
@@ -42,13 +42,13 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     )
     kernel().run(
         state.packed, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
-        estimate.covariance, estimate.rotation, k1, phase, mag, estimate.innovation, _skipped(z),
+        estimate.covariance, estimate.rotation, k1, phase, mag, estimate.innovation, skipped(z),
         state.packed_parameters,
     )  # fmt: skip
     return estimate
 
 
-def _together(shapes: Sequence[tuple[int, ...]]) -> list[Array]:
+def together(shapes: Sequence[tuple[int, ...]]) -> list[Array]:
     """Arrays of these shapes in one block: of a long record it lies in large pages, and is ready much sooner."""
     ends = np.cumsum([0, *(math.prod(shape) for shape in shapes)]).tolist()
     block = np.empty(ends[-1])
@@ -124,11 +124,12 @@ def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:
     return bool(np.array_equal(time[np.minimum(np.searchsorted(time, stamps), len(time) - 1)], stamps))
 
 
-def _first_sample(z: Measurements) -> Sample:
+def first_sample(z: Measurements) -> Sample:
+    """The first IMU sample of a record, with a range stamped there."""
     due = z.range_time == z.time[0]
     return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[due], z.range[due])
 
 
-def _skipped(z: Measurements) -> int:
+def skipped(z: Measurements) -> int:
     """How many ranges are stamped at the first sample or before it."""
     return int(np.searchsorted(z.range_time, z.time[0], side="right"))

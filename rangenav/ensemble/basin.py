@@ -62,20 +62,21 @@ def basin(
     size = batch(len(z.time))
     estimate, setting = shared(preset, truth, z)
 
-    def run(first: int) -> list[tuple[float, float, Array]]:
+    def run(first: int) -> tuple[Array, Array, Array]:
         some, R = rotations[first : first + size], truth.motion.rotation
         errors = cascade.attitude_errors(z, estimate, setting, rotations=some, truth=R)
-        return [(_settled(z.time, error), float(error[-1]), error[chosen]) for error in errors]
+        settle = record.settled_of_each(z.time, errors, record.SETTLED_ATTITUDE)
+        return settle, errors[:, -1].copy(), errors[:, chosen]
 
     jobs = each(run, range(0, axes, size), samples=len(z.time), progress=progress, cancelled=cancelled)
-    settle, final, curves = zip(*(row for job in jobs for row in job), strict=True)
+    settle, final, curves = (np.concatenate(parts) for parts in zip(*jobs, strict=True))
     return Basin(
         angle=angle,
         axis=axis,
-        settle=np.array(settle),
-        final=np.array(final),
+        settle=settle,
+        final=final,
         time=z.time[chosen],
-        attitude=np.array(curves),
+        attitude=curves,
     )
 
 
@@ -85,8 +86,3 @@ def sphere(count: int) -> Float[Array, "a 3"]:
     z = 1 - (2 * k + 1) / count
     radius, turn = np.sqrt(1 - z**2), GOLDEN_ANGLE * k
     return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), z])
-
-
-def _settled(time: Array, error: Array) -> float:
-    settled_at = record.settled(time, error, record.SETTLED_ATTITUDE)
-    return np.inf if settled_at is None else settled_at

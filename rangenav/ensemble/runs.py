@@ -4,6 +4,7 @@ Curves are kept on a grid of 401 times; every figure (settling, steady errors) c
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import scipy
@@ -13,7 +14,7 @@ from numpy import ndarray as Array
 
 from rangenav import cascade, consistency, model, record
 from rangenav.cascade import Estimate, ObserverConfig
-from rangenav.ensemble.pool import each, refuse_work
+from rangenav.ensemble.pool import MAX_AT_ONCE, each, refuse_work
 from rangenav.ensemble.values import Ensemble, Spread, middle
 from rangenav.gains import Guess
 from rangenav.preset import Preset
@@ -23,11 +24,13 @@ from rangenav.sensors import Measurements
 
 GRID = 401
 """Times at which errors are kept: as many as a plot can tell apart."""
-STARTS_PER_RECORD = 40
-"""Random starts that share one record of measurements and so one x̂, which does not depend on the attitude: five vectors
-of eight, which take half as long as the record itself."""
-BATCH, TOGETHER = 128_000, 8
+STARTS_PER_RECORD = 64
+"""Random starts that share one record of measurements and so one x̂, which does not depend on the attitude: four vectors
+of sixteen, which take as long as the record itself."""
+BATCH, TOGETHER = 128_000, 16
 """Errors (starts × samples) kept at once, a megabyte, and the filters that the kernel runs side by side."""
+RUNS_TOGETHER = 8
+"""Runs with constant gains that one thread makes side by side, fewer of long records; no result depends on it."""
 HOLD = 1.0
 """s at the end of a run over which an error must stay small to count as held."""
 SHARED_FIGURES = ("steady_position", "steady_velocity", "steady_gravity", "peak_position")
@@ -47,13 +50,20 @@ def seeds(
     Raises ValueError if that is too much work, and CancelledError when it is cancelled.
     """
     truth = _truth(preset, count)
+    most = RUNS_TOGETHER if preset.gains.mode == "constant" else 1
+    size = max(1, min(most, MAX_AT_ONCE // (4 * _samples(truth))))
 
-    def run(seed: int) -> dict[str, Array]:
-        z, outcome = _observed(preset, truth, seed, form)
-        return _rows(truth, z, outcome, outcome.errors.attitude[None], seed)
+    def run(first: int) -> list[dict[str, Array]]:
+        some = range(first, min(first + size, preset.seed + count))
+        observed = _observed(preset, truth, some, form)
+        return [
+            _rows(truth, z, outcome, outcome.errors.attitude[None], seed)
+            for seed, (z, outcome) in zip(some, observed, strict=True)
+        ]
 
-    numbers = range(preset.seed, preset.seed + count)
-    return _gathered(truth, each(run, numbers, samples=_samples(truth), progress=progress, cancelled=cancelled))
+    firsts = range(preset.seed, preset.seed + count, size)
+    jobs = each(run, firsts, samples=size * _samples(truth), progress=progress, cancelled=cancelled)
+    return _gathered(truth, [rows for job in jobs for rows in job])
 
 
 def starts(
@@ -64,7 +74,7 @@ def starts(
     progress: Progress = unheard,
     cancelled: Cancelled = never,
 ) -> Ensemble:
-    """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), forty on each record of noise. Raises as `seeds` does."""
+    """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), 64 on each record of noise. Raises as `seeds` does."""
     truth = _truth(preset, count)
     rotations = scipy.spatial.transform.Rotation.from_quat(
         rng.standard_normal((count, 4))
@@ -73,7 +83,7 @@ def starts(
 
     def run(k: int) -> dict[str, Array]:
         seed, some = preset.seed + k, rotations[STARTS_PER_RECORD * k : STARTS_PER_RECORD * (k + 1)]
-        z, outcome = _observed(preset, truth, seed, "derived")
+        ((z, outcome),) = _observed(preset, truth, [seed], "derived")
         setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
         errors = cascade.attitude_errors(
             z, outcome.estimate, setting, rotations=some, truth=truth.motion.rotation
@@ -123,10 +133,14 @@ def _truth(preset: Preset, count: int) -> Truth:
     return record.simulated(record.truth_inputs(preset))
 
 
-def _observed(preset: Preset, truth: Truth, seed: int, form: model.ModelForm) -> tuple[Measurements, Outcome]:
-    """One run, drawn anew: the records that the page keeps stay where they are."""
-    z = record.drawn(record.truth_inputs(preset), preset.sensors, seed)
-    return z, record.observed(truth, z, preset.world, preset.sensors, preset.gains, preset.guess, form)
+def _observed(
+    preset: Preset, truth: Truth, seeds: Sequence[int], form: model.ModelForm
+) -> list[tuple[Measurements, Outcome]]:
+    """Runs, drawn anew: the records that the page keeps stay where they are."""
+    inputs, p = record.truth_inputs(preset), preset
+    drawn = [record.drawn(inputs, p.sensors, seed) for seed in seeds]
+    outcomes = record.observed_each(truth, drawn, p.world, p.sensors, [p.gains] * len(drawn), p.guess, form)
+    return list(zip(drawn, outcomes, strict=True))
 
 
 def _rows(
@@ -136,7 +150,6 @@ def _rows(
     estimate, errors, summary, chosen = outcome.estimate, outcome.errors, outcome.summary, grid(len(z.time))
     last = z.time >= z.time[-1] - HOLD
     held = (attitude[:, last] < record.SETTLED_ATTITUDE).all(axis=1)
-    settled = [record.settled(z.time, angle, record.SETTLED_ATTITUDE) for angle in attitude]
     P = estimate.covariance[chosen, 0]
     nis, count = _binned(consistency.innovations(estimate.innovation), z.range_time, z.time[chosen])
     with np.errstate(invalid="ignore"):
@@ -155,7 +168,7 @@ def _rows(
     return {
         **{name: _repeated(value, len(attitude)) for name, value in shared.items()},
         "attitude": attitude[:, chosen],
-        "settle_attitude": np.array([_or_never(time) for time in settled]),
+        "settle_attitude": record.settled_of_each(z.time, attitude, record.SETTLED_ATTITUDE),
         "steady_attitude_deg": np.array([math.degrees(angle) for angle in record.steady_of_each(attitude)]),
         "held": np.asarray(held & np.all(errors.position[last] < record.SETTLED_POSITION)),
     }
@@ -181,6 +194,11 @@ def _binned(square: Array, time: Array, ends: Array) -> tuple[Array, Array]:
 
 
 def _gathered(truth: Truth, runs: list[dict[str, Array]]) -> Ensemble:
-    time = truth.motion.time
-    columns = {name: np.concatenate([rows[name] for rows in runs]) for name in runs[0]}
-    return Ensemble(time=time[grid(len(time))], **columns)
+    times = truth.motion.time[grid(len(truth.motion.time))]
+    columns = {name: [rows[name] for rows in runs] for name in runs[0]}
+    curves = [name for name, parts in columns.items() if parts[0].ndim == 2 and parts[0].dtype == np.float64]
+    block = np.empty((len(curves), sum(map(len, columns["seed"])), len(times)))  # one block is ready much sooner
+    for name, table in zip(curves, block, strict=True):
+        np.concatenate(columns.pop(name), out=table)
+    rest = {name: np.concatenate(parts) for name, parts in columns.items()}
+    return Ensemble(time=times, **dict(zip(curves, block, strict=True)), **rest)

@@ -13,7 +13,7 @@ import numpy as np
 
 from rangenav.kernels import acquisition, attitude, riccati
 from rangenav.kernels import rotation as rot
-from rangenav.kernels.jit import kernel
+from rangenav.kernels.jit import inlined, kernel
 from rangenav.kernels.layout import (
     ACCEL_AT,
     ACCEL_FAULT,
@@ -75,13 +75,8 @@ def propagate(x, P, a, turned, gyro0, gyro1, accel0, accel1, begin, end, interva
 
     The acceleration is the mean of both ends, in the axes of the start: with the rate at the middle, order 2.
     """
-    h, middle = (end - begin) * interval, (begin + end) / 2
-    wx, wy, wz = _between(gyro0, gyro1, middle)
-    increment = rot.exp(h * wx, h * wy, h * wz)
-    ax0, ay0, az0 = _between(accel0, accel1, begin)
-    ax1, ay1, az1 = _between(accel0, accel1, end)
-    bx, by, bz = rot.apply(increment, ax1, ay1, az1)
-    ax, ay, az = rot.apply(turned, (ax0 + bx) / 2, (ay0 + by) / 2, (az0 + bz) / 2)
+    h = (end - begin) * interval
+    increment, ax, ay, az = moved(turned, gyro0, gyro1, accel0, accel1, begin, end, interval)
     matched = a[PHASE] == MATCHED
     _add_noise(x, P, h / 2, matched, p)
     riccati.predict_state(x, ax, ay, az, h, p.b4)
@@ -92,7 +87,20 @@ def propagate(x, P, a, turned, gyro0, gyro1, accel0, accel1, begin, end, interva
     return rot.multiply(turned, increment)
 
 
-@kernel
+@inlined
+def moved(turned, gyro0, gyro1, accel0, accel1, begin, end, interval):
+    """The increment of the turn from begin to end, and the acceleration in turned axes."""
+    h, middle = (end - begin) * interval, (begin + end) / 2
+    wx, wy, wz = _between(gyro0, gyro1, middle)
+    increment = rot.exp(h * wx, h * wy, h * wz)
+    ax0, ay0, az0 = _between(accel0, accel1, begin)
+    ax1, ay1, az1 = _between(accel0, accel1, end)
+    bx, by, bz = rot.apply(increment, ax1, ay1, az1)
+    ax, ay, az = rot.apply(turned, (ax0 + bx) / 2, (ay0 + by) / 2, (az0 + bz) / 2)
+    return increment, ax, ay, az
+
+
+@inlined
 def _between(start, end, fraction):
     return (
         start[0] + fraction * (end[0] - start[0]),
@@ -240,15 +248,11 @@ def read(s, k, states, xi_variance, covariances):
         states[k, o], states[k, o + 1], states[k, o + 2] = rot.apply_inverse(
             t, x[o] + P[o] * step, x[o + 1] + P[o + 1] * step, x[o + 2] + P[o + 2] * step
         )
-        d = 14 * o
-        xx, xy, xz = P[d] - ux * ux, P[d + 1] - ux * uy, P[d + 2] - ux * uz
-        yy, yz, zz = P[d + 14] - uy * uy, P[d + 15] - uy * uz, P[d + 28] - uz * uz
-        for i in range(3):
-            tx, ty, tz = t[i], t[3 + i], t[6 + i]
-            cx, cy, cz = xx * tx + xy * ty + xz * tz, xy * tx + yy * ty + yz * tz, xz * tx + yz * ty + zz * tz
-            for j in range(i + 1):
-                covariances[k, block, i, j] = t[j] * cx + t[3 + j] * cy + t[6 + j] * cz
-                covariances[k, block, j, i] = covariances[k, block, i, j]
+        cov = riccati.turned_block(t, P, o, (ux, uy, uz))
+        covariances[k, block, 0, 0], covariances[k, block, 1, 1], covariances[k, block, 2, 2] = cov[0], cov[2], cov[5]
+        covariances[k, block, 1, 0] = covariances[k, block, 0, 1] = cov[1]
+        covariances[k, block, 2, 0] = covariances[k, block, 0, 2] = cov[3]
+        covariances[k, block, 2, 1] = covariances[k, block, 1, 2] = cov[4]
 
 
 @kernel

@@ -7,8 +7,9 @@ that rows do not overlap and work on four columns at once: 50 ns for Φ P, again
 
 import numpy as np
 
-from rangenav.kernels.jit import kernel
+from rangenav.kernels.jit import inlined, kernel
 from rangenav.kernels.layout import CONSISTENCY_TIME, ROUNDING
+from rangenav.kernels.vectors import shared
 
 N = 13
 ROW1, ROW2, ROW3 = 1 * N, 2 * N, 3 * N
@@ -50,16 +51,13 @@ def predict_covariance(P, ax, ay, az, h):
 @kernel
 def transition_rows(P, ax, ay, az, h):
     """P ← Φ P, from the top row down, so that every row still finds the old ones below it."""
-    h2, h3, h4 = h * h, h * h * h, h * h * h * h
+    h2 = h * h
     for j in range(N):
         ap = ax * P[PX + j] + ay * P[PY + j] + az * P[PZ + j]
         av = ax * P[VX + j] + ay * P[VY + j] + az * P[VZ + j]
         ag = ax * P[GX + j] + ay * P[GY + j] + az * P[GZ + j]
-        p1, p2, p3 = P[ROW1 + j], P[ROW2 + j], P[ROW3 + j]
-        P[j] += h * p1 + h2 / 2 * (p2 + ap) + h3 / 6 * p3 + h3 / 2 * av + h4 / 4 * ag
-        P[ROW1 + j] = p1 + h * (p2 + ap) + h2 / 2 * p3 + 1.5 * h2 * av + h3 * ag
-        P[ROW2 + j] = p2 + h * (p3 + 2 * av) + 2.5 * h2 * ag
-        P[ROW3 + j] = p3 + 3 * h * ag
+        old = P[j], P[ROW1 + j], P[ROW2 + j], P[ROW3 + j]
+        P[j], P[ROW1 + j], P[ROW2 + j], P[ROW3 + j] = xi(old, ap, av, ag, h)
         P[PX + j] += h * P[VX + j] + h2 / 2 * P[GX + j]
         P[PY + j] += h * P[VY + j] + h2 / 2 * P[GY + j]
         P[PZ + j] += h * P[VZ + j] + h2 / 2 * P[GZ + j]
@@ -68,20 +66,28 @@ def transition_rows(P, ax, ay, az, h):
         P[VZ + j] += h * P[GZ + j]
 
 
+@inlined
+def xi(p, ap, av, ag, h):
+    """ξ of a column of P, h seconds later; ap, av and ag are the products of a with the three vectors below it."""
+    h2, h3, h4 = h * h, h * h * h, h * h * h * h
+    return (
+        p[0] + (h * p[1] + h2 / 2 * (p[2] + ap) + h3 / 6 * p[3] + h3 / 2 * av + h4 / 4 * ag),
+        p[1] + h * (p[2] + ap) + h2 / 2 * p[3] + 1.5 * h2 * av + h3 * ag,
+        p[2] + h * (p[3] + 2 * av) + 2.5 * h2 * ag,
+        p[3] + 3 * h * ag,
+    )
+
+
 @kernel
 def _transition_columns(P, ax, ay, az, h):
     """The upper triangle of P Φᵀ; Φ is upper triangular, so no entry below the diagonal is asked for."""
-    h2, h3, h4 = h * h, h * h * h, h * h * h * h
+    h2 = h * h
     for i in range(4):
         o = N * i
         ap = ax * P[o + 4] + ay * P[o + 5] + az * P[o + 6]
         av = ax * P[o + 7] + ay * P[o + 8] + az * P[o + 9]
         ag = ax * P[o + 10] + ay * P[o + 11] + az * P[o + 12]
-        p1, p2, p3 = P[o + 1], P[o + 2], P[o + 3]
-        P[o] += h * p1 + h2 / 2 * (p2 + ap) + h3 / 6 * p3 + h3 / 2 * av + h4 / 4 * ag
-        P[o + 1] = p1 + h * (p2 + ap) + h2 / 2 * p3 + 1.5 * h2 * av + h3 * ag
-        P[o + 2] = p2 + h * (p3 + 2 * av) + 2.5 * h2 * ag
-        P[o + 3] = p3 + 3 * h * ag
+        P[o], P[o + 1], P[o + 2], P[o + 3] = xi((P[o], P[o + 1], P[o + 2], P[o + 3]), ap, av, ag, h)
     for i in range(7):
         o = N * i
         P[o + 4] += h * P[o + 7] + h2 / 2 * P[o + 10]
@@ -163,7 +169,7 @@ def correct(x, P, y, variance):
 def shown(x, P, y, variance):
     """What a correction that is shown, and not made, adds: P₁ᵢ times the first number to x̂ᵢ; products of two P₁ᵢ times
     the second number are taken from P, and P₁₁ is multiplied by the third."""
-    if variance == 0.0:
+    if shared(variance) == 0.0:
         return 0.0, 0.0, 1.0
     inverse = 1 / (P[0] + variance)
     return (y - x[0]) * inverse, np.sqrt(inverse), variance * inverse
@@ -190,3 +196,22 @@ def remind(x, P, h):
     for i in range(N):
         for j in range(N):  # one product of equal factors: symmetric to the last bit
             P[N * i + j] -= gain[i] * gain[j]
+
+
+@inlined
+def turned_block(t, P, o, u):
+    """The lower triangle, row by row, of Tᵀ(B − uuᵀ)T, where B is the 3 × 3 block on P's diagonal in row o."""
+    d = (N + 1) * o
+    xx, xy, xz = P[d] - u[0] * u[0], P[d + 1] - u[0] * u[1], P[d + 2] - u[0] * u[2]
+    yy, yz, zz = P[d + 14] - u[1] * u[1], P[d + 15] - u[1] * u[2], P[d + 28] - u[2] * u[2]
+    ax, ay, az = xx * t[0] + xy * t[3] + xz * t[6], xy * t[0] + yy * t[3] + yz * t[6], xz * t[0] + yz * t[3] + zz * t[6]
+    bx, by, bz = xx * t[1] + xy * t[4] + xz * t[7], xy * t[1] + yy * t[4] + yz * t[7], xz * t[1] + yz * t[4] + zz * t[7]
+    cx, cy, cz = xx * t[2] + xy * t[5] + xz * t[8], xy * t[2] + yy * t[5] + yz * t[8], xz * t[2] + yz * t[5] + zz * t[8]
+    return (
+        t[0] * ax + t[3] * ay + t[6] * az,
+        t[0] * bx + t[3] * by + t[6] * bz,
+        t[1] * bx + t[4] * by + t[7] * bz,
+        t[0] * cx + t[3] * cy + t[6] * cz,
+        t[1] * cx + t[4] * cy + t[7] * cz,
+        t[2] * cx + t[5] * cy + t[8] * cz,
+    )

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from rangenav.kernels.jit import inlined, kernel
+from rangenav.kernels.vectors import choose, everywhere, mostly
 
 SMALL_SQUARE = 0.06
 """rad²; below it sin θ/θ and (1 − cos θ)/θ² are series whose first dropped term is under 1e-17."""
@@ -19,21 +20,14 @@ ARCS = (math.tan(math.pi / 16), math.tan(math.pi / 8), math.tan(3 * math.pi / 16
 @kernel
 def exp(x, y, z):
     """exp([w]x) of w = (x, y, z), by Rodrigues' formula."""
-    square = x * x + y * y + z * z
-    if square < SMALL_SQUARE:
-        return small(x, y, z)
-    angle = np.sqrt(square)
-    half = np.sin(angle / 2)
-    return _rodrigues(x, y, z, np.sin(angle) / angle, 2 * half * half / square)
-
-
-@inlined
-def small(x, y, z):
-    """The same by its series, for squares of the angle below SMALL_SQUARE."""
     s = x * x + y * y + z * z
-    s2 = s * s
+    s2, small = s * s, s < SMALL_SQUARE
     a = 1 + s * ((SIN[0] + s * SIN[1]) + s2 * ((SIN[2] + s * SIN[3]) + s2 * SIN[4]))
     b = 0.5 + s * ((COS[0] + s * COS[1]) + s2 * ((COS[2] + s * COS[3]) + s2 * COS[4]))
+    if not mostly(everywhere(small)):
+        angle = np.sqrt(s)
+        half = np.sin(angle / 2)
+        a, b = choose(small, a, np.sin(angle) / angle), choose(small, b, 2 * half * half / s)
     return _rodrigues(x, y, z, a, b)
 
 
@@ -60,16 +54,17 @@ def angle(r, e):
     trace = r[0] * e[0] + r[1] * e[1] + r[2] * e[2] + r[3] * e[3] + r[4] * e[4] + r[5] * e[5]
     trace += r[6] * e[6] + r[7] * e[7] + r[8] * e[8]
     square, cosine = x * x + y * y + z * z, trace - 1
-    t = np.sqrt(square) / (np.sqrt(square + cosine * cosine) + abs(cosine))
-    centre = 0.0 if t < ARCS[0] else (ARCS[1] if t < ARCS[2] else 1.0)
-    arc = 0.0 if t < ARCS[0] else (math.pi / 8 if t < ARCS[2] else math.pi / 4)
-    u = (t - centre) / (1 + t * centre)
+    far = 1 + (square + cosine * cosine) / 4 + abs(cosine)  # a root of nearly 4, by one Newton step, and |2 cos θ|
+    near = np.sqrt(square)
+    centre = choose(near < ARCS[0] * far, 0.0, choose(near < ARCS[2] * far, ARCS[1], 1.0))
+    arc = choose(near < ARCS[0] * far, 0.0, choose(near < ARCS[2] * far, math.pi / 8, math.pi / 4))
+    u = (near - centre * far) / (far + centre * near)
     s = u * u
     series = ATAN[8] + s * (ATAN[9] + s * ATAN[10])
     series = ATAN[4] + s * (ATAN[5] + s * (ATAN[6] + s * (ATAN[7] + s * series)))
     series = ATAN[0] + s * (ATAN[1] + s * (ATAN[2] + s * (ATAN[3] + s * series)))
     theta = 2 * (arc + (u + u * (s * series)))
-    return math.pi - theta if cosine < 0 else theta
+    return choose(cosine < 0, math.pi - theta, theta)
 
 
 @inlined

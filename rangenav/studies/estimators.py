@@ -1,4 +1,4 @@
-"""The estimators of a study: a row for each, with its title, and how it runs on one record.
+"""The estimators of a study: a row for each, with its title, and how it runs on some records.
 
 All estimators of a point run on the same records. A new estimator is one row of ESTIMATORS.
 """
@@ -20,35 +20,38 @@ from rangenav.sensors import Measurements
 
 @dataclass(frozen=True)
 class Flown:
-    """One record of a preset, and the cascade's result on it, which several estimators share."""
+    """Some records of a preset, and the cascade's results on them, which several estimators share."""
 
     preset: Preset
     truth: Truth
-    measurements: Measurements
+    measurements: list[Measurements]
 
     @cached_property
-    def cascade(self) -> Outcome:
+    def cascade(self) -> list[Outcome]:
         """The cascade with the preset's gains."""
         return self.with_gains(self.preset.gains)
 
-    def with_gains(self, gains: Gains) -> Outcome:
+    def with_gains(self, gains: Gains) -> list[Outcome]:
         """The cascade with other gains."""
-        of = self.preset
-        return record.observed(self.truth, self.measurements, of.world, of.sensors, gains, of.guess, "derived")
+        of, records = self.preset, self.measurements
+        every = [gains] * len(records)
+        return record.observed_each(self.truth, records, of.world, of.sensors, every, of.guess, "derived")
 
     @property
-    def record(self) -> Record:
-        """All of one run, as `comparison` takes it."""
-        done = self.cascade
-        return Record(
-            preset=self.preset,
-            truth=self.truth,
-            measurements=self.measurements,
-            estimate=done.estimate,
-            errors=done.errors,
-            summary=done.summary,
-            form="derived",
-        )
+    def records(self) -> list[Record]:
+        """All of each run, as `comparison` takes it."""
+        return [
+            Record(
+                preset=self.preset,
+                truth=self.truth,
+                measurements=measurements,
+                estimate=done.estimate,
+                errors=done.errors,
+                summary=done.summary,
+                form="derived",
+            )
+            for measurements, done in zip(self.measurements, self.cascade, strict=True)
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,16 +60,17 @@ class Estimator:
 
     name: str
     title: str
-    run: Callable[[Flown], Outcome]
+    run: Callable[[Flown], list[Outcome]]
+    """The results on each record."""
 
 
-def _scheduled(flown: Flown) -> Outcome:
+def _scheduled(flown: Flown) -> list[Outcome]:
     gains = flown.preset.gains
     attitude = msgspec.structs.replace(SCHEDULED, rho1=gains.attitude.rho1, rho2=gains.attitude.rho2)
     return flown.with_gains(msgspec.structs.replace(gains, attitude=attitude))
 
 
-def _matched(flown: Flown) -> Outcome:
+def _matched(flown: Flown) -> list[Outcome]:
     return flown.with_gains(msgspec.structs.replace(flown.preset.gains, mode="noise-matched"))
 
 
@@ -81,12 +85,12 @@ ROWS = (
     Estimator(
         name="ekf",
         title="extended Kalman filter, the cascade's start",
-        run=lambda flown: _outcome(comparison.filtered(flown.record)),
+        run=lambda flown: [_outcome(comparison.filtered(one)) for one in flown.records],
     ),
     Estimator(
         name="refinement",
         title="refinement of the whole record",
-        run=lambda flown: _outcome(comparison.refined(flown.record)),
+        run=lambda flown: [_outcome(comparison.refined(one)) for one in flown.records],
     ),
 )
 ESTIMATORS: Mapping[str, Estimator] = {row.name: row for row in ROWS}

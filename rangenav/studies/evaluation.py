@@ -23,6 +23,9 @@ from rangenav.studies.estimators import ESTIMATORS, Flown
 from rangenav.studies.metrics import METRICS, Metric, Run, flight
 from rangenav.studies.study import Study
 
+RUNS_TOGETHER = 8
+"""Runs of a point that are made side by side."""
+
 
 @result
 class PointResult:
@@ -111,17 +114,27 @@ def _runs(
     """Runs until the stopping rule is met: run, estimator, metric."""
     file, stop = study.file, study.file.stop
     judged = file.run_metrics.index(stop.metric) if stop is not None else 0
+    each = max(most, 1) if stop is None else stop.least
     rows: list[list[list[float]]] = []
-    for run in range(most):
-        if cancelled():
-            raise CancelledError
-        rng = np.random.default_rng(study.seed(index, run))
-        z = measure(truth.motion, path=preset.path, world=preset.world, sensors=preset.sensors, rng=rng)
-        flown = Flown(preset, truth, z)
-        rows.append([_metrics(file.run_metrics, Run(outcome=of.run(flown), truth=truth)) for of in _chosen(study)])
-        if stop is not None and (run + 1) % stop.least == 0 and stop.met(np.array(rows)[:, :, judged].T):
+    for first in range(0, most, each):
+        for run in range(first, min(first + each, most), RUNS_TOGETHER):
+            if cancelled():
+                raise CancelledError
+            seeds = [study.seed(index, k) for k in range(run, min(run + RUNS_TOGETHER, first + each, most))]
+            rows += _together(study, preset, truth, seeds)
+        if stop is not None and stop.met(np.array(rows)[:, :, judged].T):
             break
     return rows
+
+
+def _together(study: Study, preset: Preset, truth: Truth, seeds: list[int]) -> list[list[list[float]]]:
+    """Some runs, side by side where an estimator can: their results do not depend on it."""
+    of = {"path": preset.path, "world": preset.world, "sensors": preset.sensors}
+    measurements = [measure(truth.motion, **of, rng=np.random.default_rng(seed)) for seed in seeds]
+    flown = Flown(preset, truth, measurements)
+    outcomes = [row.run(flown) for row in _chosen(study)]
+    names = study.file.run_metrics
+    return [[_metrics(names, Run(outcome=one, truth=truth)) for one in each] for each in zip(*outcomes, strict=True)]
 
 
 def _chosen(study: Study) -> list:

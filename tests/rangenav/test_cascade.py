@@ -1,5 +1,7 @@
 """The cascade as a whole: what converges, how far, from where, with which ranges, and that step() is observe()."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -9,6 +11,7 @@ from rangenav import cascade, model, record, reference
 from rangenav.attitude import SCHEDULED, AttitudeGains
 from rangenav.cascade import ObserverConfig, Sample, Start
 from rangenav.gains import Gains, Guess
+from rangenav.riccati import RiccatiGains
 from rangenav.sensors import Measurements
 from tests.support import records
 from tests.support.present import present
@@ -94,6 +97,56 @@ def test_many_starts_at_once_are_each_what_it_is_alone(attitude: AttitudeGains, 
         alone = cascade.observe(scene.measurements, Start(state=scene.start.state, rotation=rotation), setting)
         np.testing.assert_array_equal(computed, alone.rotation)
         np.testing.assert_array_equal(angle, scene.errors(alone).attitude)
+
+
+@pytest.mark.parametrize(("range_rate", "mag_rate"), [(200.0, 200.0), (333.0, 57.0)])
+@pytest.mark.parametrize(
+    "attitude", [AttitudeGains(), AttitudeGains(k1=40.0), SCHEDULED], ids=["constant", "large turns", "scheduled"]
+)
+def test_runs_side_by_side_are_each_what_it_is_alone(attitude: AttitudeGains, range_rate: float, mag_rate: float):
+    """Each with its own noise, start and gains, to the last bit; nine runs fill one vector and begin another."""
+    scenes = [
+        records.scene("paper-slow", duration=0.5, range_rate=range_rate, mag_rate=mag_rate, seed=k) for k in range(9)
+    ]
+    rotations = Rotation.random(9, np.random.default_rng(6)).as_matrix()
+    starts = [Start(state=scene.truth.state[0] * k, rotation=rotations[k]) for k, scene in enumerate(scenes)]
+    gains = [
+        Gains(attitude=replace(attitude, k1=attitude.k1 * (1 + k / 8)), riccati=RiccatiGains(q=10.0 ** (k - 3)))
+        for k in range(9)
+    ]
+    settings = [scene.setting(one) for scene, one in zip(scenes, gains, strict=True)]
+    together = cascade.observe_each([scene.measurements for scene in scenes], starts, settings)
+    for scene, start, setting, computed in zip(scenes, starts, settings, together, strict=True):
+        assert_equal(computed, cascade.observe(scene.measurements, start, setting))
+
+
+def test_runs_that_share_too_little_to_stand_side_by_side_are_made_alone():
+    """Other stamps, a magnetometer that fails in one run, and noise-matched gains."""
+    usual = records.scene("paper-slow", duration=0.5)
+    z = usual.measurements
+    failed = replace_arrays(z, mag=np.where(np.arange(len(z.time))[:, None] == 30, np.nan, z.mag))
+    later = replace_arrays(z, time=z.time + 1.0, range_time=z.range_time + 1.0)
+    for others in ([z, failed, later], [z, z, z]):
+        settings = [usual.setting(), usual.setting(), usual.setting(MATCHED)]
+        together = cascade.observe_each(others, [usual.start] * 3, settings)
+        for one, setting, computed in zip(others, settings, together, strict=True):
+            assert_equal(computed, cascade.observe(one, usual.start, setting))
+
+
+def replace_arrays(z: Measurements, **arrays: np.ndarray) -> Measurements:
+    return dataclasses.replace(z, **arrays)
+
+
+def assert_equal(computed: cascade.Estimate, expected: cascade.Estimate) -> None:
+    """All arrays, to the last bit."""
+    for field in dataclasses.fields(expected):
+        np.testing.assert_array_equal(getattr(computed, field.name), getattr(expected, field.name), err_msg=field.name)
+
+
+def test_each_run_needs_a_record_a_start_and_a_setting():
+    scene = records.scene("paper-slow", duration=0.5)
+    with pytest.raises(ValueError, match="each run needs a record, a start and a setting, got 1, 2, 1"):
+        cascade.observe_each([scene.measurements], [scene.start] * 2, [scene.setting()])
 
 
 def test_many_starts_need_a_magnetometer_from_the_first_sample():

@@ -1,0 +1,107 @@
+"""Many runs of the cascaded observer at once, several side by side: seeds of one flight, or gains on one record."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy import ndarray as Array
+
+from rangenav import model
+from rangenav.cascade.one_sample import begin
+from rangenav.cascade.values import Estimate, ObserverConfig, Start, State, lanes_kernel
+from rangenav.cascade.whole_record import first_sample, observe, ranges_at_imu_rate, skipped, together
+from rangenav.inputs import require
+from rangenav.kernels.layout import ACQUISITION_AT, CONSTANT
+from rangenav.sensors import Measurements, check
+
+LEAST = 3
+"""Runs from which on that is sooner than one after the other; because a vector costs the same however few they are."""
+LINE = 64
+"""Bytes of a line of the cache; vectors that begin with one are read at once."""
+Run = tuple[Measurements, Start, ObserverConfig]
+
+
+def observe_each(
+    measurements: Sequence[Measurements], starts: Sequence[Start], settings: Sequence[ObserverConfig]
+) -> list[Estimate]:
+    """What `observe` gives for each record, start and configuration, to the last bit, in a fraction of the time.
+
+    The time is shorter for constant gains on records with the same stamps: other runs are made one after the other.
+    Raises ValueError as `observe` does, and unless there are as many of each.
+    """
+    same = len(measurements) == len(starts) == len(settings)
+    require(
+        same, f"each run needs a record, a start and a setting, got {len(measurements)}, {len(starts)}, {len(settings)}"
+    )
+    runs = [(check(z), start, setting) for z, start, setting in zip(measurements, starts, settings, strict=True)]
+    estimates: list[Estimate] = []
+    lanes = lanes_kernel().LANES
+    for first in range(0, len(runs), lanes):
+        some = runs[first : first + lanes]
+        alike = len(some) >= LEAST and _alike(some)
+        estimates += _side_by_side(some) if alike else [observe(*run) for run in some]
+    return estimates
+
+
+def _alike(runs: list[Run]) -> bool:
+    """Whether the runs share their stamps, what decides which formulas are computed, and gains that are constant."""
+    return len({_kind(*run) for run in runs}) == 1 and runs[0][2].gains.mode == "constant"
+
+
+def _kind(z: Measurements, _: Start, setting: ObserverConfig) -> tuple[object, ...]:
+    stamps, lost = (z.time.tobytes(), z.range_time.tobytes()), np.isnan(z.mag[:, 0]).tobytes()
+    scheduled = setting.gains.attitude.schedule is not None
+    return *stamps, lost, setting.gains.mode, scheduled, ranges_at_imu_rate(z, setting.sensors)
+
+
+def _side_by_side(runs: list[Run]) -> list[Estimate]:
+    z, _, setting = runs[0]
+    symmetric, count, ranges, n = ranges_at_imu_rate(z, setting.sensors), len(z.time), len(z.range_time), len(runs)
+    states = [begin(first_sample(z), start, config, symmetric=symmetric) for z, start, config in runs]
+    each = ((count, model.STATES), (count, 4), (count, 3, 3, 3), (count, 3, 3), (count,), (count, 3), (ranges, 2))
+    written = together([(n, *shape) for shape in each])
+    written[-1][:] = np.nan
+    imu = _innermost([(z.gyro, z.accel, z.mag) for z, _, _ in runs])
+    distance = _innermost([(z.range[:, None],) for z, _, _ in runs])
+    lanes_kernel().run(_packed(states), z.time, imu, z.range_time, distance, *written, skipped(z))
+    phase = np.full(count, CONSTANT, dtype=np.int8)
+    return [
+        Estimate(
+            time=one.time,
+            state=x,
+            covariance=covariance,
+            xi_variance=xi_variance,
+            rotation=rotation,
+            innovation=innovation,
+            k1=k1,
+            phase=phase.copy(),
+            mag=mag,
+        )
+        for (one, _, _), x, xi_variance, covariance, rotation, k1, mag, innovation in zip(runs, *written, strict=True)
+    ]
+
+
+def _innermost(parts: list[tuple[Array, ...]]) -> Array:
+    """Tables of each run, one flat table with each number beside those of the others; the last run fills the lanes."""
+    rows, lanes, widths = len(parts[0][0]), lanes_kernel().LANES, [table.shape[1] for table in parts[0]]
+    filled, ends = aligned(rows * sum(widths) * lanes), np.cumsum(widths)
+    table = filled.reshape(rows, sum(widths), lanes)
+    for c in range(lanes):
+        for part, width, end in zip(parts[min(c, len(parts) - 1)], widths, ends, strict=True):
+            table[:, end - width : end, c] = part
+    return filled
+
+
+def aligned(count: int) -> Array:
+    """So many numbers, the first of them at the beginning of a line of the cache."""
+    block = np.empty(count + LINE // 8)
+    first = -block.ctypes.data % LINE // 8
+    return block[first : first + count]
+
+
+def _packed(states: list[State]) -> Array:
+    """The first states, the parameters and the work space of the kernel."""
+    begun = _innermost([(one.packed[None, :ACQUISITION_AT], one.packed_parameters[None]) for one in states])
+    w = aligned(lanes_kernel().LENGTH * lanes_kernel().LANES)
+    w[:] = 0.0
+    w[: len(begun)] = begun
+    return w
