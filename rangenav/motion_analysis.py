@@ -212,6 +212,7 @@ def _directions(
     return blindness.directions(null_basis, *excitation.directions(path, start, window))
 
 
+@lru_cache(maxsize=CACHED)
 def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:
     """The largest distance (m) between path and anchor on a flight (s), on samples."""
     position = path(np.linspace(0.0, duration, DISTANCES))

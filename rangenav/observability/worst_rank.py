@@ -9,13 +9,15 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import blindness, excitation, rows, spectrum, worst_window
 from rangenav.observability.blindness import Direction
-from rangenav.observability.continuation import continued
+from rangenav.observability.continuation import Continued, continued
 from rangenav.observability.every_window import RankProof, rank_over_every_window
 from rangenav.observability.excitation_bound import TIE
+from rangenav.observability.spectrum import Spectrum
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts, sampled_starts
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -61,9 +63,38 @@ class WorstRank:
     """Windows and cores evaluated."""
 
 
+@result
+class _Lifted:
+    """What of a `WorstRank` does not depend on the anchor."""
+
+    starts: Starts
+    reason: str | None
+    proof: RankProof | None
+    start: Float[Array, "w"]
+    """s, of the windows of `spectrum`."""
+    spectrum: Spectrum
+    worst: int
+    """Which of them is the worst."""
+    end: float
+    """s: the last start of a window."""
+    known: Continued
+    directions: tuple[Direction, ...]
+
+
 @lru_cache(maxsize=CACHED)
 def worst_rank(path: Signal, world: World, duration: float, window: float) -> WorstRank:
     """The least rank over windows (s) at any t ≥ 0 if the path is periodic, else over those of the flight (s)."""
+    return _with_nonlinear(_lifted(path, world.gravity, duration, window), path, world, window)
+
+
+def sampled_rank(path: Signal, world: World, window: float, end: float, *, reason: str | None = None) -> WorstRank:
+    """The least ranks over sampled windows (s) that start in [0, end] (s); reason: why they are not proven."""
+    return _with_nonlinear(_sampled(path, world.gravity, window, end, reason=reason), path, world, window)
+
+
+@lru_cache(maxsize=CACHED)
+def _lifted(path: Signal, gravity: Vec3, duration: float, window: float) -> _Lifted:
+    """The part that takes most of the time: an anchor that moves leaves it as it is."""
     period, starts, reason = path.period, EVERY, None
     until = window + period if period else duration
     if period is None:
@@ -71,29 +102,28 @@ def worst_rank(path: Signal, world: World, duration: float, window: float) -> Wo
     elif until > LONGEST * duration:
         starts, reason, until = FLIGHT, f"a loop takes {period:.4g} s", duration
     try:
-        proof = rank_over_every_window(path, world.gravity, until, window)
+        proof = rank_over_every_window(path, gravity, until, window)
     except ValueError as error:  # too much work
-        return sampled_rank(path, world, window, duration - window, reason=str(error))
+        return _sampled(path, gravity, window, duration - window, reason=str(error))
     start = np.array([proof.at])
-    lifted = spectrum.window_spectra(path, world.gravity, start, window)
-    return _worst(path, world, window, lifted, 0, start, until - window, starts=starts, reason=reason, proof=proof)
+    lifted = spectrum.window_spectra(path, gravity, start, window)
+    return _worst(path, gravity, window, lifted, 0, start, until - window, starts=starts, reason=reason, proof=proof)
 
 
-def sampled_rank(path: Signal, world: World, window: float, end: float, *, reason: str | None = None) -> WorstRank:
-    """The least ranks over sampled windows (s) that start in [0, end] (s); reason: why they are not proven."""
+def _sampled(path: Signal, gravity: Vec3, window: float, end: float, *, reason: str | None) -> _Lifted:
     start = sampled_starts(path, window, end)
-    lifted = spectrum.window_spectra(path, world.gravity, start, window)
+    lifted = spectrum.window_spectra(path, gravity, start, window)
     rank = int(lifted.rank.min())
     least = np.where(lifted.rank == rank, lifted.scaled[:, STATES - 1] if rank == STATES else 0.0, np.inf)
     k = _first_near(least, float(least.min()), TIE)
-    return _worst(path, world, window, lifted, k, start, end, starts=FLIGHT, reason=reason, proof=None)
+    return _worst(path, gravity, window, lifted, k, start, end, starts=FLIGHT, reason=reason, proof=None)
 
 
 def _worst(
     path: Signal,
-    world: World,
+    gravity: Vec3,
     window: float,
-    lifted: spectrum.Spectrum,
+    lifted: Spectrum,
     k: int,
     start: Float[Array, "w"],
     end: float,
@@ -101,37 +131,52 @@ def _worst(
     starts: Starts,
     reason: str | None,
     proof: RankProof | None,
-) -> WorstRank:
-    """Of window k among those that start at `start`; the nonlinear ranks are those of sampled windows from [0, end]."""
-    every = sampled_starts(path, window, end)
-    local = spectrum.local_spectra(rows.sample(path, every, window), world.anchor)
-    j, rank = worst_window.of_spectrum(local), int(lifted.rank[k])
-    at = float(start[k])
-    known = continued(path, world.gravity, at, window, end + window, rank)
+) -> _Lifted:
+    """Of window k among those that start at `start`."""
+    at, rank = float(start[k]), int(lifted.rank[k])
+    known = continued(path, gravity, at, window, end + window, rank)
     values, axes = excitation.directions(path, at, window)
     null_basis = spectrum.null_basis(lifted, k)
     if known.window > window:
-        null_basis = spectrum.null_basis(spectrum.window_spectra(path, world.gravity, np.array([at]), known.window), 0)
-    rounded = known.rank == STATES > rank
-    rank = rank if rounded else known.rank
-    return WorstRank(
+        null_basis = spectrum.null_basis(spectrum.window_spectra(path, gravity, np.array([at]), known.window), 0)
+    return _Lifted(
         starts=starts,
         reason=reason,
         proof=proof,
-        rank=rank,
+        start=start,
+        spectrum=lifted,
+        worst=k,
+        end=end,
+        known=known,
+        directions=() if known.rank == STATES else blindness.directions(null_basis, values, axes),
+    )
+
+
+def _with_nonlinear(of: _Lifted, path: Signal, world: World, window: float) -> WorstRank:
+    """With the ranks of the nonlinear problem on sampled windows, which depend on where the anchor is."""
+    every = sampled_starts(path, window, of.end)
+    local = spectrum.local_spectra(rows.sample(path, every, window), world.anchor)
+    j, lifted, k, known = worst_window.of_spectrum(local), of.spectrum, of.worst, of.known
+    rank = int(lifted.rank[k])
+    rounded = known.rank == STATES > rank
+    return WorstRank(
+        starts=of.starts,
+        reason=of.reason,
+        proof=of.proof,
+        rank=rank if rounded else known.rank,
         rounded=rounded,
         resolved=known.resolved and not rounded,
-        at=at,
+        at=float(of.start[k]),
         smallest=float(lifted.scaled[k, -1]),
         tolerance=float(lifted.tolerance[k] / lifted.scaled[k, 0]),
         eigenvalues=lifted.eigenvalues[k],
         floor=float(lifted.floor[k]),
-        directions=() if rounded or rank == STATES else blindness.directions(null_basis, values, axes),
+        directions=of.directions,
         nonlinear=int(local.rank.min()),
         nonlinear_at=float(every[j]),
         nonlinear_eigenvalues=local.eigenvalues[j],
         nonlinear_floor=float(local.floor[j]),
-        count=len(start) if proof is None else proof.decomposed,
+        count=len(of.start) if of.proof is None else of.proof.decomposed,
     )
 
 

@@ -25,6 +25,7 @@ SMALLER, SIZES = 0.75, 32
 TRIALS, TRIED = 3, 12
 """Valid points that are timed, and points that are looked at to find them."""
 TRIAL_RUNS = 4
+"""Runs of such a point: enough to be made side by side."""
 RECEIPT_BYTES, FILE_BYTES = 400, 110
 """Of a receipt, and for each of its files."""
 CHUNK_BYTES, ARRAY_BYTES, GROUP_BYTES = 40, 2500, 4000
@@ -63,9 +64,9 @@ class Plan:
 
 
 def warm_up(study: Study) -> None:
-    """Compute one valid point with one run: every kernel that the study needs is then compiled, or loaded."""
+    """Compute one valid point with a few runs: every kernel that the study needs is then compiled, or loaded."""
     for index in _places(study):
-        if not evaluation.point(study, index, runs=1).reason:
+        if not evaluation.point(study, index, runs=TRIAL_RUNS).reason:
             return
 
 
