@@ -19,6 +19,16 @@ from tests.support import compiled_kernels, kept_results, shape_checker
 
 SOURCE = Path(__file__).parent.parent
 BROWSER_TESTS = "tests/browser/"
+PROOFS = (
+    "tests/explorer/panels/presets/",
+    "tests/rangenav/certificate/",
+    "tests/rangenav/commands/",
+    "tests/rangenav/test_preset.py",
+    "tests/test_docs.py",
+    "tests/test_json_keys.py",
+    "tests/test_verdict.py",
+)
+"""These prove the same shipped presets: one worker takes them all, and proves each preset once."""
 COMPILED = "kernels"
 """numba needs the functions as they are written; a wrapper around each cannot be compiled."""
 SLOW_FILE = "\npytestmark = pytest.mark.slow\n"
@@ -54,9 +64,13 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest work first, so that no worker is left with it at the end: the browser, then the slow files."""
+    """The longest work first, so that no worker is left with it at the end: browser, proofs, then the slow files."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: (not item.nodeid.startswith(BROWSER_TESTS), item.path not in slow))
+
+    def order(item: pytest.Item) -> tuple[bool, ...]:
+        return (not item.nodeid.startswith(BROWSER_TESTS), not item.nodeid.startswith(PROOFS), item.path not in slow)
+
+    items.sort(key=order)
 
 
 COMPILING = pytest.StashKey[subprocess.Popen]()
@@ -84,16 +98,18 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling:
-    """Each file stays in one worker, for it shares what it computed; the browser tests share one worker."""
+    """Each file stays in one worker, for it shares what it computed; all browser tests do, and so do all proofs."""
     config.option.loadscopereorder = False  # files in the order above, and not by their number of tests
-    return OneBrowser(config, log)
+    return FewFiles(config, log)
 
 
-class OneBrowser(LoadFileScheduling):
-    """By file, and the folder of the browser tests as one file."""
+class FewFiles(LoadFileScheduling):
+    """By file, and the browser tests as one file, and the proofs as another one."""
 
     def _split_scope(self, nodeid: str) -> str:
-        return BROWSER_TESTS if nodeid.startswith(BROWSER_TESTS) else super()._split_scope(nodeid)
+        if nodeid.startswith(BROWSER_TESTS):
+            return "browser"
+        return "proofs" if nodeid.startswith(PROOFS) else super()._split_scope(nodeid)
 
 
 @pytest.fixture(autouse=True, scope="session")
