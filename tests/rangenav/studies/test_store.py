@@ -172,7 +172,7 @@ def test_a_table_has_a_row_for_each_point_or_for_each_run(whole: store.Store, tm
 
 
 def test_a_summary_says_at_how_many_points_a_requirement_is_met_and_between_which_values(whole: store.Store):
-    steady = xarray.open_zarr(whole.path).steady_position.mean("run").sel(estimator="cascade").load().to_series()
+    steady = loaded(whole.path).steady_position.mean("run").sel(estimator="cascade").to_series()
     met = steady <= whole.study.bases[0].requirement.position_sigma
     of = summary.summary(whole).metrics["steady_position", "cascade"]
     assert 0 < of.meets == met.sum() < len(met)
