@@ -9,7 +9,7 @@ from numpy import ndarray as Array
 from rangenav.model import STATES
 from rangenav.motion_analysis import Windows
 from rangenav.observability import excitation, reduced
-from rangenav.observability.accuracy import Accuracy, FourAccuracies
+from rangenav.observability.accuracy import FourAccuracies, HasAccuracies
 from rangenav.observability.blindness import Direction
 from rangenav.preset import Preset
 from rangenav.proof import Proof
@@ -19,7 +19,7 @@ from rangenav.verdict import Verdict, caveats
 
 
 @result
-class Analysis:
+class Analysis(HasAccuracies):
     """The analysis of one preset. Every number without a window of its own is that of a worst window."""
 
     proof: Proof | None
@@ -89,26 +89,6 @@ class Analysis:
         if self.proof is not None:
             return self.proof.rank.nonlinear
         return int(self.windows.worst_nonlinear[1].rank[0])
-
-    @property
-    def lifted_start(self) -> Accuracy:
-        """Of the lifted problem, at the start of the window of the largest error."""
-        return self.accuracies.lifted_start
-
-    @property
-    def lifted_end(self) -> Accuracy:
-        """The same at its end."""
-        return self.accuracies.lifted_end
-
-    @property
-    def nonlinear_start(self) -> Accuracy:
-        """Of the nonlinear problem, at the start of that window."""
-        return self.accuracies.nonlinear_start
-
-    @property
-    def nonlinear_end(self) -> Accuracy:
-        """The same at its end."""
-        return self.accuracies.nonlinear_end
 
     @property
     def reduced_min(self) -> float:

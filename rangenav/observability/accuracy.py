@@ -134,6 +134,32 @@ class FourAccuracies:
         return _accuracy(sigmas(self.samples, self._count, self.world, sigma=self.sigma, kind="nonlinear", at=at))
 
 
+class HasAccuracies:
+    """A result with the accuracies of one window, which are read from it by their own names."""
+
+    accuracies: FourAccuracies
+
+    @property
+    def lifted_start(self) -> Accuracy:
+        """Of the lifted problem at the window's start."""
+        return self.accuracies.lifted_start
+
+    @property
+    def lifted_end(self) -> Accuracy:
+        """Of the lifted problem at the window's end."""
+        return self.accuracies.lifted_end
+
+    @property
+    def nonlinear_start(self) -> Accuracy:
+        """Of the nonlinear problem at the window's start."""
+        return self.accuracies.nonlinear_start
+
+    @property
+    def nonlinear_end(self) -> Accuracy:
+        """Of the nonlinear problem at the window's end."""
+        return self.accuracies.nonlinear_end
+
+
 def of_held(
     path: Signal,
     world: World,

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 from rangenav.motion import World
 from rangenav.observability import accuracy, every_range_window
-from rangenav.observability.accuracy import Accuracy, FourAccuracies
+from rangenav.observability.accuracy import FourAccuracies, HasAccuracies
 from rangenav.observability.every_range_window import RangeWindows
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts
 from rangenav.results import result
@@ -21,7 +21,7 @@ WHOLE = 1e-9
 
 
 @result
-class WorstAccuracy:
+class WorstAccuracy(HasAccuracies):
     """The accuracy of the window whose lifted position σ at its end is the largest of all windows."""
 
     starts: Starts
@@ -29,26 +29,6 @@ class WorstAccuracy:
     """Why not at every t ≥ 0; None if it is."""
     windows: RangeWindows
     accuracies: FourAccuracies
-
-    @property
-    def lifted_start(self) -> Accuracy:
-        """Of the lifted problem at the window's start."""
-        return self.accuracies.lifted_start
-
-    @property
-    def lifted_end(self) -> Accuracy:
-        """Of the lifted problem at the window's end."""
-        return self.accuracies.lifted_end
-
-    @property
-    def nonlinear_start(self) -> Accuracy:
-        """Of the nonlinear problem at the window's start."""
-        return self.accuracies.nonlinear_start
-
-    @property
-    def nonlinear_end(self) -> Accuracy:
-        """Of the nonlinear problem at the window's end."""
-        return self.accuracies.nonlinear_end
 
 
 @lru_cache(maxsize=CACHED)

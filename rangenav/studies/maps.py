@@ -53,7 +53,7 @@ class StudyMap:
         while step > 1:
             step //= 2
             rows, columns = (_nearest(length, step) for length in known.shape)
-            at = np.ix_(rows, columns)
+            at = rows[:, None], columns
             take = ~known & self.computed[at]
             values[take] = self.values[metric][at][take]
         return values
