@@ -158,7 +158,7 @@ def _sessions(
     visited: threading.Event,
     page: str,
 ) -> Iterator[None]:
-    """Everybody who comes has a page meanwhile. The imports are here, because the server answers by now."""
+    """Within it, everybody who comes gets a page. The imports are here, because the server answers by now."""
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
     from explorer.storage.class_folder import class_folder

@@ -91,7 +91,7 @@ class Shared:
     """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation
     places: Places = field(default_factory=Places)
-    """For the long work of all visitors."""
+    """The places for the long work of all visitors."""
     work_files: WorkFiles
     slots: Slots
     library: Library = field(default_factory=Library)
@@ -108,8 +108,8 @@ class Shared:
         return self._shares.setdefault(visitor.number, self.places.share())
 
     def keeps_work_of(self, visitor: Visitor | None, browser: str) -> bool:
-        """Whether the work of a browser is saved: a visitor of a class has one, and not a new one at each reload, which
-        would push out the work of others."""
+        """Whether the work of a browser is saved. A visitor of a class has a few at most: a browser that comes as a new
+        one at each reload would push out the work of others."""
         if visitor is None:
             return True
         browsers = self._browsers.setdefault(visitor.number, set())

@@ -127,7 +127,7 @@ def _prediction(lesson: Lesson, states: text.States) -> str:
 
 
 def _outcome(lesson: Lesson, states: text.States) -> str:
-    """What came, beside what was predicted."""
+    """The outcome, next to what was predicted."""
     asked = lesson.header.prediction
     came, because = (html.escape(part) for part in (text.came(asked, states), text.filled(asked.because, states)))
     sentence = f'You predicted: <b id="predicted"></b>. It came: <b>{came}</b>. {because}'

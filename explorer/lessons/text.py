@@ -50,7 +50,7 @@ def filled(text: str, states: States, read: Reader = figures.text) -> str:
 
 
 def came(prediction: Prediction, states: States, read: Reader = figures.text) -> str:
-    """What came, in the words of the prediction: the right choice, or the number."""
+    """The outcome, in the words of the prediction: the right choice, or the number."""
     if prediction.choices:
         return prediction.choices[prediction.right - 1]
     return filled(f"{{{prediction.figure}}}", states, read)

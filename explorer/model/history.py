@@ -98,7 +98,8 @@ class History:
 
 
 def sharing(after: Any, before: Any) -> Any:
-    """The same value, in which each table or vector that is equal to the earlier value's is that one itself."""
+    """The same value. Each table or vector in it that equals that of the earlier value is the earlier one itself, so
+    that both share memory."""
     if after == before:
         return before
     inner = list(_inner(before, after))

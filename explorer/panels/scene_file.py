@@ -40,8 +40,8 @@ SECONDS, MIN_SECONDS, MAX_SECONDS = 4.0, 0.2, 12.0
 WIDTH, ANIMATION_WIDTH = 1920, 640
 """px; the greatest width of a picture, and of one in an animation."""
 COLOURS, FREQUENT, PALETTE_FRAMES = 256, 160, 4
-"""Of an animation, the most that a GIF has; how many of them are frequent ones; and from how many pictures they are
-taken."""
+"""Colours of an animation, as many as a GIF can have; how many of them are the frequent ones; and from how many
+pictures these are taken."""
 FONT_SHARE, LEAST_FONT, CHARACTER = 0.016, 11, 0.58
 """Size of the words below a picture by its width, the least (px), and the width of a character by its size."""
 PATIENCE = 20.0
@@ -144,7 +144,7 @@ class SceneFilePanel:
 
     @contextmanager
     def _without_instructions(self) -> Iterator[None]:
-        """Within it, labels say what the picture shows alone."""
+        """Within it, labels only name what the picture shows."""
         self._wait_for(partial(self._instruct, False))
         try:
             yield

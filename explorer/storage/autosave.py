@@ -119,7 +119,7 @@ class Autosave:
         return self._writer is not None and self._writer.is_alive()
 
     def write(self, now: float, *, at_once: bool = False) -> None:
-        """Write the settings if that is due, or `at_once`, after those that are being written aside."""
+        """Write the settings if that is due, or `at_once`, after those that another thread is writing."""
         self.finish()
         self._try_again(now, at_once=at_once)
         if self._unwritten is not None and (at_once or now - self._written_at >= PERIOD):
@@ -140,7 +140,7 @@ class Autosave:
         self._writer = writer
 
     def finish(self) -> None:
-        """Wait until what is being written aside is on the disk."""
+        """Wait until what another thread is writing is on the disk."""
         if self._writer is not None:
             self._writer.join()
 

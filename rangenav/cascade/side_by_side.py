@@ -14,7 +14,8 @@ from rangenav.kernels.layout import ACQUISITION_AT, CONSTANT
 from rangenav.sensors import Measurements, check
 
 LEAST = 3
-"""Runs from which on that is sooner than one after the other; because a vector costs the same however few they are."""
+"""From so many runs on this is faster than one after the other: a vector takes the same time however few runs fill
+it."""
 LINE = 64
 """Bytes of a line of the cache; vectors that begin with one are read at once."""
 Run = tuple[Measurements, Start, ObserverConfig]

@@ -1,8 +1,7 @@
 """What would help a preset that misses a requirement: one change, named only if its own certificate misses nothing.
 
-A search by samples proposes the change (`remedy`). A change that was not certified is not named; `rangenav repair`
-searches more kinds of change, and for longer.
-"""
+A search by samples proposes the change (`tone_search`). A change that was not certified is not named; `rangenav repair`
+searches more kinds of change, and for longer."""
 
 from functools import lru_cache
 

@@ -32,10 +32,9 @@ def each(
 ) -> list[Result]:
     """work(item) for every item, in as many threads as there are cores; results in the order of the items.
 
-    `samples` is what one of them works on: long records are taken fewer at once. The first error of a job is raised,
-    and CancelledError as soon as `cancelled()`; jobs not yet begun are then dropped. While `cancelled` does not return,
-    the threads end what they have in hand, and then rest.
-    """
+    samples: those of the IMU in one item; of items with long records fewer are worked on at once. The first error of a
+    job is raised, and CancelledError as soon as `cancelled()`; jobs not yet begun are then dropped. While `cancelled`
+    does not return, the threads end what they have in hand, and then rest."""
     threads = max(1, min(os.cpu_count() or 1, MAX_AT_ONCE // samples))
     with ThreadPoolExecutor(threads) as pool:
         finished: SimpleQueue[Future[Result]] = SimpleQueue()  # `wait` would look at every job after every job

@@ -41,7 +41,7 @@ from rangenav.vehicle import FREE, WORDS
 EVALUATIONS = 1500
 """Motions that a search may try, about 4 ms each."""
 WORK = 3e8
-"""The work of a whole search, in the units of `remedy`; a long formula is tried less often."""
+"""The work of a whole search, in the units of `tone_search`; a long formula is tried less often."""
 IMPROVEMENT = 0.9
 """An improvement must lower σ to this share or below."""
 MOST_EFFORT: dict[ChangeKind, float] = {

@@ -1,8 +1,7 @@
 """Tones for a flight that is too long to be tried in hundreds of versions: three tones of a few sizes, each certified.
 
-The tones go on where the path pauses. Their frequencies have the ratios of `remedy`, and the first size whose
-certificate misses nothing is taken.
-"""
+The tones go on where the path pauses. Their frequencies have the ratios of `tone_search`, and the first size whose
+certificate misses nothing is taken."""
 
 import numpy as np
 from jaxtyping import Float
