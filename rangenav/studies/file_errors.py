@@ -54,7 +54,7 @@ def _rule(words: str, place: str, text: str, kinds: dict[str, tuple[str, ...]]) 
         if ".values" in place:
             other = '; kind = "list" takes numbers, and kind = "choices" takes texts'
         return f"must be {wanted}, got {got}{other}"
-    return words
+    return words.replace("Illegal character '\\n'", "the line ends within a text")
 
 
 def _entry(text: str, place: str) -> Any:

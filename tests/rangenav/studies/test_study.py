@@ -118,6 +118,7 @@ BROKEN |= {
     PARAMETER.replace("linear", "lin") + 'path = "size"': "parameters.1.kind: there is no lin; did you mean linear",
     PARAMETER.replace("linear", "choices") + 'path = "gains.mode"\nvalues = [1.0]': 'kind = "list" takes numbers',
     'metrics = ["mu"]\nversion = 2': "version: must be 1, got 2",
+    'metrics = ["mu]\n': "the line ends within a text (at line",
     PARAMETER + 'path = "size"\nname = "runs"\nlow = 1\nhigh = 2\ncount = 2': "name must not be runs",
 }
 
