@@ -14,9 +14,9 @@ from numpy import ndarray as Array
 
 from rangenav.formats import flight_columns, log, sampled_positions, sampled_rows, text, world_comments
 from rangenav.formats.exported_run import nanoseconds, quaternions, upright_run
-from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult, increasing
 from rangenav.formats.output_files import OutputFile, new_folder, write_text
+from rangenav.formats.raw_flight import FlightColumns
 from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.formats.text import Table
 from rangenav.inputs import require

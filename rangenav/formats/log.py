@@ -16,9 +16,9 @@ from numpy import ndarray as Array
 
 from rangenav.formats import flight_columns, frames, log_columns, text, world_comments
 from rangenav.formats.exported_run import quaternions, run_of
-from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult, unread
 from rangenav.formats.output_files import OutputFile, write_text
+from rangenav.formats.raw_flight import FlightColumns
 from rangenav.inputs import require
 from rangenav.preset import Preset
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.formats import entries, flight_columns, log, mat5
-from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult
+from rangenav.formats.raw_flight import FlightColumns
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 
