@@ -5,6 +5,7 @@ timed as `cascade.observe` on a record, with its checks and the allocation of it
 computes less says so; none computes more.
 """
 
+import dataclasses
 from collections.abc import Callable
 from functools import partial
 
@@ -21,9 +22,12 @@ MAX_SINGLE = 5.0
 """µs of one `cascade.step` from Python, with its checks."""
 MAX_MICROSECONDS, NUMPY_RATIO, ODE_RATIO, EKF_RATIO = 0.6, 120.0, 500.0, 20.0
 SINGLE_STEPS = 500
+MAX_EACH, TOGETHER = 0.25, 8
+"""µs of one run and step, and the runs, with constant gains side by side."""
 
 RANGENAV, RANGENAV_LONG = f"compiled cascade, {SHORT:g} s record", f"compiled cascade, {LONG:g} s record"
 SINGLE = "compiled cascade, one sample at a time from Python"
+SEEDS, GAINS = f"{TOGETHER} seeds side by side, one run", f"{TOGETHER} gains on one record, one run"
 NUMPY = "the same scheme as a numpy loop (rangenav.reference)"
 ODE = "the paper's ODE, solve_ivp DOP853, rtol 1e-8"
 EKF = "GTSAM NavStateImuEKF: {}"
@@ -49,11 +53,11 @@ class Record:
         self.measurements = self.measured(p.sensors.noise)
         self.steps = len(self.truth.time) - 1
 
-    def measured(self, noise: sensors.Noise) -> sensors.Measurements:
+    def measured(self, noise: sensors.Noise, *, seed: int | None = None) -> sensors.Measurements:
         """What sensors with this noise record."""
         p = self.preset
         noisy = msgspec.structs.replace(p.sensors, noise=noise)
-        rng = np.random.default_rng(p.seed)
+        rng = np.random.default_rng(p.seed if seed is None else seed)
         return sensors.measure(self.truth, path=p.path, world=p.world, sensors=noisy, rng=rng)
 
     def by(self, observe: Callable[..., object]) -> Callable[[], object]:
@@ -68,12 +72,16 @@ def main() -> None:
         RANGENAV: (short.by(cascade.observe), SHORT_REPEATS),
         RANGENAV_LONG: (long.by(cascade.observe), FAST_REPEATS),
         SINGLE: (_single(short), SHORT_REPEATS),
+        SEEDS: (_seeds(short), SHORT_REPEATS),
+        GAINS: (_gains(short), SHORT_REPEATS),
         NUMPY: (short.by(reference.observe), 1),
         ODE: (lambda: _integrated(short), 1),
     }
     steps = dict.fromkeys(calls, short.steps) | {
         RANGENAV_LONG: long.steps,
         SINGLE: SINGLE_STEPS,
+        SEEDS: TOGETHER * short.steps,
+        GAINS: TOGETHER * short.steps,
     }
     notes = [f"noise-free, the compiled observer ends {_apart(short):.1e} from the ODE (largest entry of x̂)"]
     absent = missing("gtsam")
@@ -106,6 +114,10 @@ def _targets(microseconds: dict[str, float]) -> list[Target]:
         for name in (RANGENAV, RANGENAV_LONG)
     ]
     steps.append(Target(name=SINGLE, value=microseconds[SINGLE], bound=MAX_SINGLE, at_least=False, unit=" µs"))
+    steps += [
+        Target(name=name, value=microseconds[name], bound=MAX_EACH, at_least=False, unit=" µs")
+        for name in (SEEDS, GAINS)
+    ]
     bounds = {NUMPY: NUMPY_RATIO, ODE: ODE_RATIO, EKF.format("imu, range, mag"): EKF_RATIO}
     ratios = [
         Target(
@@ -135,6 +147,21 @@ def _single(record: Record) -> Callable[[], None]:
             state = cascade.step(state, sample)
 
     return run
+
+
+def _seeds(record: Record) -> Callable[[], object]:
+    """The observer on records that differ in their noise."""
+    p = record.preset
+    each = [record.measured(p.sensors.noise, seed=p.seed + k) for k in range(TOGETHER)]
+    return partial(cascade.observe_each, each, [record.start] * TOGETHER, [record.observer_config] * TOGETHER)
+
+
+def _gains(record: Record) -> Callable[[], object]:
+    """Observers with other gains on one record."""
+    gains, replace = record.preset.gains, msgspec.structs.replace
+    each = [replace(gains, riccati=replace(gains.riccati, q=gains.riccati.q * 2.0**k)) for k in range(TOGETHER)]
+    settings = [dataclasses.replace(record.observer_config, gains=one) for one in each]
+    return partial(cascade.observe_each, [record.measurements] * TOGETHER, [record.start] * TOGETHER, settings)
 
 
 def _integrated(record: Record) -> np.ndarray:

@@ -37,6 +37,8 @@ from rangenav.riccati import Blocks
 from rangenav.sensors import NO_SAMPLE
 
 VECTOR, MATRIX = (3,), (3, 3)
+UNUSED = Schedule()
+"""Numbers in the place of a schedule, which the kernel does not use without one."""
 FINITE = "gyro, accel and range must be finite"
 FAULTS = {
     GYRO_FAULT: FINITE,
@@ -68,7 +70,7 @@ def parameters(setting: ObserverConfig, *, symmetric: bool) -> Parameters:
     forms = get_args(model.ModelForm)
     require(setting.form in forms, f"setting.form must be {' or '.join(forms)}, got {described(setting.form)}")
     gains, sensors, world = setting.gains, setting.sensors, setting.world
-    plan = gains.attitude.schedule or Schedule()  # without a schedule the kernel does not use these numbers
+    plan = gains.attitude.schedule or UNUSED
     matched = gains.mode == "noise-matched"
     return Parameters(
         gravity=_floats(world.gravity),

@@ -45,13 +45,20 @@ def observe_each(
 
 def _alike(runs: list[Run]) -> bool:
     """Whether the runs share their stamps, what decides which formulas are computed, and gains that are constant."""
-    return len({_kind(*run) for run in runs}) == 1 and runs[0][2].gains.mode == "constant"
+    (first, _, setting), decided = runs[0], _decided(runs[0][2])
+    lost = np.isnan(first.mag[:, 0])
+    return setting.gains.mode == "constant" and all(
+        _decided(config) == decided
+        and np.array_equal(z.time, first.time)
+        and np.array_equal(z.range_time, first.range_time)
+        and np.array_equal(np.isnan(z.mag[:, 0]), lost)
+        for z, _, config in runs[1:]
+    )
 
 
-def _kind(z: Measurements, _: Start, setting: ObserverConfig) -> tuple[object, ...]:
-    stamps, lost = (z.time.tobytes(), z.range_time.tobytes()), np.isnan(z.mag[:, 0]).tobytes()
-    scheduled = setting.gains.attitude.schedule is not None
-    return *stamps, lost, setting.gains.mode, scheduled, ranges_at_imu_rate(z, setting.sensors)
+def _decided(setting: ObserverConfig) -> tuple[object, ...]:
+    gains, sensors = setting.gains, setting.sensors
+    return gains.mode, gains.attitude.schedule is None, sensors.range_rate == sensors.imu_rate
 
 
 def _side_by_side(runs: list[Run]) -> list[Estimate]:
