@@ -159,7 +159,7 @@ def _seeds(record: Record) -> Callable[[], object]:
 def _gains(record: Record) -> Callable[[], object]:
     """Observers with other gains on one record."""
     gains, replace = record.preset.gains, msgspec.structs.replace
-    each = [replace(gains, riccati=replace(gains.riccati, q=gains.riccati.q * 2.0**k)) for k in range(TOGETHER)]
+    each = [replace(gains, riccati=replace(gains.riccati, q=gains.riccati.q / 2.0**k)) for k in range(TOGETHER)]
     settings = [dataclasses.replace(record.observer_config, gains=one) for one in each]
     return partial(cascade.observe_each, [record.measurements] * TOGETHER, [record.start] * TOGETHER, settings)
 

@@ -37,6 +37,8 @@ from rangenav.riccati import Blocks
 from rangenav.sensors import NO_SAMPLE
 
 VECTOR, MATRIX = (3,), (3, 3)
+BLOCK_SIZES = (4, 3, 3, 3)
+"""Of ξ, position, velocity and gravity."""
 UNUSED = Schedule()
 """Numbers in the place of a schedule, which the kernel does not use without one."""
 FINITE = "gyro, accel and range must be finite"
@@ -107,20 +109,23 @@ def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bo
     require(not np.isinf(mag).any(), f"{FAULTS[MAG_FAULT]}, at time {time:g}")
     range_time = increasing_array("range_time", first.range_time, ("r",))
     distance = finite_array("range", first.range, range_time.shape)
+    gyro, accel = finite_array("gyro", first.gyro, VECTOR), finite_array("accel", first.accel, VECTOR)
+    return begun(Sample(time, gyro, accel, mag, range_time, distance), start, p)
+
+
+def begun(first: Sample, start: Start, p: Parameters) -> State:
+    """The same for arguments that were checked."""
     packed, packed_parameters = np.zeros(LENGTH), p.packed()
     arrays = views(packed)
-    arrays.x[:], arrays.P[:] = start.state, np.diag(setting.gains.riccati.p0.diagonal()).ravel()
+    arrays.x[:], arrays.P[:: model.STATES + 1] = start.state, np.repeat(p.p0, BLOCK_SIZES)
     arrays.turned[:], arrays.rotation[:] = np.eye(3), start.rotation
-    arrays.gyro[:], arrays.accel[:] = (
-        finite_array("gyro", first.gyro, VECTOR),
-        finite_array("accel", first.accel, VECTOR),
-    )
-    arrays.mag[:] = start.rotation.T @ np.asarray(p.magnetic) if np.isnan(mag).any() else mag
-    arrays.gravity[:], arrays.misaligned[0], arrays.time[0] = start.state[model.GRAVITY], MISALIGNED, time
+    arrays.gyro[:], arrays.accel[:] = first.gyro, first.accel
+    arrays.mag[:] = start.rotation.T @ np.asarray(p.magnetic) if np.isnan(first.mag).any() else first.mag
+    arrays.gravity[:], arrays.misaligned[0], arrays.time[0] = start.state[model.GRAVITY], MISALIGNED, first.time
     arrays.acquisition[[PHASE, COLLECTS, SCALE]] = (MATCHED, 1.0, 1.0) if p.matched else (CONSTANT, 0.0, 1.0)
-    at_start = range_time == time
-    if at_start.any():
-        kernel().begin(packed, float(distance[at_start][-1]), packed_parameters)
+    at_start = first.range_time == first.time
+    if np.any(at_start):
+        kernel().begin(packed, float(np.asarray(first.range)[at_start][-1]), packed_parameters)
     return State(packed=packed, packed_parameters=packed_parameters)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav import model
-from rangenav.cascade.one_sample import begin
+from rangenav.arguments import instance
+from rangenav.cascade.one_sample import begun, checked_start, parameters
 from rangenav.cascade.values import Estimate, ObserverConfig, Start, State, lanes_kernel
 from rangenav.cascade.whole_record import first_sample, observe, ranges_at_imu_rate, skipped, together
 from rangenav.inputs import require
@@ -33,7 +34,10 @@ def observe_each(
     require(
         same, f"each run needs a record, a start and a setting, got {len(measurements)}, {len(starts)}, {len(settings)}"
     )
-    runs = [(check(z), start, setting) for z, start, setting in zip(measurements, starts, settings, strict=True)]
+    for setting in settings:
+        instance("setting", setting, ObserverConfig, called="cascade.ObserverConfig")
+    records = {id(z): check(z) for z in measurements}
+    runs = [(records[id(z)], start, setting) for z, start, setting in zip(measurements, starts, settings, strict=True)]
     estimates: list[Estimate] = []
     lanes = lanes_kernel().LANES
     for first in range(0, len(runs), lanes):
@@ -64,7 +68,10 @@ def _decided(setting: ObserverConfig) -> tuple[object, ...]:
 def _side_by_side(runs: list[Run]) -> list[Estimate]:
     z, _, setting = runs[0]
     symmetric, count, ranges, n = ranges_at_imu_rate(z, setting.sensors), len(z.time), len(z.range_time), len(runs)
-    states = [begin(first_sample(z), start, config, symmetric=symmetric) for z, start, config in runs]
+    states = [
+        begun(first_sample(z), checked_start(start), parameters(config, symmetric=symmetric))
+        for z, start, config in runs
+    ]
     each = ((count, model.STATES), (count, 4), (count, 3, 3, 3), (count, 3, 3), (count,), (count, 3), (ranges, 2))
     written = together([(n, *shape) for shape in each])
     written[-1][:] = np.nan
