@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import msgspec
@@ -65,6 +66,7 @@ class Candidate:
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
 
+@lru_cache(maxsize=8)
 def candidates(preset: Preset) -> tuple[Candidate, ...]:
     """Every number of a preset that a map can vary; what most maps are about first."""
     table = msgspec.json.decode(msgspec.json.encode(preset))

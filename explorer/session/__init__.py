@@ -214,13 +214,14 @@ class Session:
     def _take_actions(self) -> tuple[bool, int | None]:
         """Do what the visitor has asked for by buttons, in the scene and in the menu of presets. Returns whether a
         button was pressed, and the number of the drag while a handle is held."""
-        pressed = self.form.run_actions(before=self._refresh_before_action)
-        with self._reporting(but=ValueError):  # a job's error must not hold up what was changed meanwhile
-            self.form.deliver()
-        drag = self._page.interaction.apply(self.picture)
-        if self.dock.chosen_preset != self.dock.origin:
-            self._page.open(self.dock.chosen_preset)
-        self.dock.refresh()
+        with self._client.atomic():  # controls that are built anew come together with their values
+            pressed = self.form.run_actions(before=self._refresh_before_action)
+            with self._reporting(but=ValueError):  # a job's error must not hold up what was changed meanwhile
+                self.form.deliver()
+            drag = self._page.interaction.apply(self.picture)
+            if self.dock.chosen_preset != self.dock.origin:
+                self._page.open(self.dock.chosen_preset)
+            self.dock.refresh()
         return pressed, drag
 
     def _refresh_before_action(self) -> None:

@@ -30,7 +30,7 @@ from explorer.session.interaction import Interaction
 from explorer.session.outgoing import Outgoing
 from explorer.shared import Shared
 from explorer.storage.catalog import Catalog
-from explorer.web import places
+from explorer.web import connection, places
 from explorer.web.access.visitors import Visitor
 from explorer.web.door import Door
 from explorer.web.frames import Frames
@@ -61,6 +61,11 @@ class VisitorPage:
 
     def build(self, disconnected: Callable[[], bool]) -> None:
         """Build the page, or the dock alone if the tab has disconnected by then."""
+        connection.send_in_large_batches(self._client)
+        with self._client.atomic():  # a browser draws the page once, and not once more with each part that comes
+            self._build_parts(disconnected)
+
+    def _build_parts(self, disconnected: Callable[[], bool]) -> None:
         client, shared = self._client, self._shared
         set_theme(client, dark=False)
         client.gui.set_panel_label("rangenav")
@@ -84,8 +89,7 @@ class VisitorPage:
         )
         self._collect_actions()
         self.form.command("Copy a link to this page", self.address.copy_link, step=False)
-        with client.atomic():
-            self._add_commands()
+        self._add_commands()
         places.install(client, first=self.in_class.first_tab)
         self.built = True
 

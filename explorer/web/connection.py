@@ -9,6 +9,14 @@ from contextlib import AbstractContextManager
 import viser
 from viser import _messages
 
+AT_ONCE = 2048
+"""Messages in a batch at most. Each batch is drawn by itself; viser's own 128 would cut a new page into a dozen."""
+
+
+def send_in_large_batches(client: viser.ClientHandle) -> None:
+    """Let what is sent within `client.atomic()` arrive as one batch, also a whole page."""
+    client.gui._websock_interface.get_message_buffer().max_window_size = AT_ONCE
+
 
 def may_close(client: viser.ClientHandle) -> AbstractContextManager[None]:
     """Within it, messages to the tab are dropped without a warning once its connection is closed."""

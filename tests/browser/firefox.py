@@ -30,6 +30,7 @@ PREFERENCES = {
     "browser.aboutwelcome.enabled": False,
     "browser.shell.checkDefaultBrowser": False,
     "datareporting.policy.dataSubmissionEnabled": False,
+    "layout.frame_rate": 10,  # a software renderer would draw as fast as it can
     "network.captive-portal-service.enabled": False,
     "network.connectivity-service.enabled": False,
 }

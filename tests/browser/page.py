@@ -17,7 +17,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
-from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Playwright, ViewportSize, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Error, Locator, Page, Playwright, ViewportSize, sync_playwright
+
+from tests.browser import spare_pages
+from tests.browser.page_scripts import FEW_FRAMES, ONE_SAMPLE, UNDRAWN, WELCOMED
 
 CHROMIUM = next((path for path in ("/usr/bin/chromium", "/usr/bin/chromium-browser") if Path(path).exists()), None)
 FLAGS = [
@@ -50,28 +53,6 @@ AT_START = "[...document.querySelectorAll('b')].some(one => one.textContent === 
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
-WELCOMED = "localStorage['rangenav-view'] ??= JSON.stringify({flags: ['welcomed'], switched: []})"
-"""The card of the first visit was closed before: most tests are not about it."""
-FRAME_PAUSE = 100
-"""ms between two frames of the page."""
-FEW_FRAMES = f"""(() => {{
-    const next = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = draw => setTimeout(next, {FRAME_PAUSE}, draw);
-    window.cancelAnimationFrame = clearTimeout;
-}})()"""
-"""A software renderer would draw the scene over and over as fast as it can, and take the processor from the server."""
-ONE_SAMPLE = """(() => {
-    const get = HTMLCanvasElement.prototype.getContext;
-    HTMLCanvasElement.prototype.getContext = function (kind, options) {
-        return get.call(this, kind, {...options, antialias: false});
-    };
-})()"""
-"""A page with coarse pixels takes one sample of each and not four."""
-UNDRAWN = """(() => {
-    const draws = ['clear', 'drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced'];
-    if (window.WebGL2RenderingContext) for (const name of draws) WebGL2RenderingContext.prototype[name] = () => {};
-})()"""
-"""A scene that no test looks at is computed and not drawn: a software renderer takes a third of all time for it."""
 WRITTEN = """([...document.body.children].filter(part => part.matches(':not(.rn-unseen, script, style, noscript)'))
     .map(part => part.innerText).join('\\n') + ((document.querySelector('.rn-rows') || {}).textContent || ''))
     .replaceAll('\\u00a0', ' ')"""
@@ -177,28 +158,27 @@ class Visitor:
         computed; `code`: what is typed at the door of a class."""
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
-        self._says, self._alone, self._new, self._failures = says, beside is None, True, 0
-        size, scale = ViewportSize(width=width, height=height), density
+        self._says, self._new, self._failures = says, True, 0
         chosen = ((FEW_FRAMES, True), (ONE_SAMPLE, density < 1), (UNDRAWN, not drawn), (WELCOMED, welcomed))
-        self._scripts = [script for script, wanted in chosen if wanted]
-        self._context = lambda: (
-            beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
-        )
+        self._kind = spare_pages.Kind(browser, density, tuple(script for script, wanted in chosen if wanted))
+        self._size, self._beside = ViewportSize(width=width, height=height), beside
         self.url, self._code = url, code
         self._open()
 
     def _open(self) -> None:
-        context = self._context()
-        for script in self._scripts:
-            context.add_init_script(script)
-        self.page: Page = context.new_page()
-        self.page.on("console", self._listen)
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        beside = self._beside
+        self.page: Page = beside.page.context.new_page() if beside else spare_pages.take(self._kind, self._size)
+        self._heard: dict[str, Callable] = {"console": self._listen, "pageerror": self._notice}
+        for event, hear in self._heard.items():
+            self.page.on(event, hear)  # type: ignore[call-overload]
         self.page.goto(self.url)
         if self._code:
             self.page.get_by_label("Code that your teacher shows").fill(self._code.lower())
             self.page.keyboard.press("Enter")
         self.wait_until_drawn()
+
+    def _notice(self, error: Error) -> None:
+        self.complaints.append(str(error))
 
     def _listen(self, message: ConsoleMessage) -> None:
         if message.type == "error" and not message.text.startswith(USUAL_COMPLAINT):
@@ -214,20 +194,20 @@ class Visitor:
         self.page.reload()
         self.wait_until_drawn()
 
-    def begin_anew(self, failures: int = 0) -> None:
-        """The first preset as it is shipped, at its start, whatever an earlier test has left; on a new page the tab.
+    def begin_anew(self, failures: int = 0, *, tab: str = "Motion") -> None:
+        """The first preset as it is shipped, at its start, whatever an earlier test has left, with a tab in front.
 
         `failures`: how many tests have failed so far. After one more the page is a new one, for anything may be open.
         """
         if failures != self._failures:
-            self.close()
+            self.page.context.close()
             self._new, self._failures = True, failures
             self._open()
             self.dismiss_notifications()
         self.complaints.clear()
         if self._new:
             self._new = False
-            self.tab("Motion")
+            self.tab(tab)
             self.page.evaluate(BLUR)
             return
         self.tab("Presets")
@@ -235,7 +215,8 @@ class Visitor:
             self.press("start this preset again")
         else:
             self.choose("preset", FIRST)
-        self.tab("Motion")
+        if tab != "Presets":
+            self.tab(tab)
         self.page.evaluate(BLUR)
         self.page.keyboard.press("ArrowRight")  # a moment is shown once everything before it has been done
         self.page.wait_for_function(f"() => !{AT_START}")
@@ -255,8 +236,10 @@ class Visitor:
         self.wait_until_drawn()
 
     def close(self) -> None:
-        """Close the tab."""
-        self.page.context.close() if self._alone else self.page.close()
+        """Close the tab, or leave it to the next visitor."""
+        for event, hear in self._heard.items():
+            self.page.remove_listener(event, hear)
+        self.page.close() if self._beside else spare_pages.leave(self._kind, self.page)
 
     def wait_until_saved(self, text: str) -> None:
         """Until the work of some tab that is saved on this machine has a text in it."""

@@ -67,7 +67,7 @@ def tab(browser: Browser) -> Iterator[Visitor]:
     server = security.open_server("127.0.0.1", 0)
     server.on_client_connect(lambda client: Room(client) and None)
     url = f"http://127.0.0.1:{server.get_port()}/"
-    opened = Visitor(browser, url, width=900, height=700, density=COARSE, drawn=True, says=READY_WORD)
+    opened = Visitor(browser, url, width=900, height=700, density=COARSE, says=READY_WORD)
     opened.wait_for_node("/handles/waypoint2")
     until_still(opened.camera_position)
     opened.dismiss_notifications()

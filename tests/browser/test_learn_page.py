@@ -56,7 +56,7 @@ def follow(visitor: Visitor, link: str) -> None:
 
 
 def test_a_new_tab_opens_a_link_and_copies_its_own(server: Server, browser: Browser):
-    tab = Visitor(browser, f"{server.url}?#s={share.link_text(OTHER)}", density=COARSE, says="soft")
+    tab = Visitor(browser, f"{server.url}?#s={share.link_text(OTHER)}", density=COARSE, says="▲ weak")
     tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     tab.press("Copy a link")
     tab.wait_for_text("Link copied")

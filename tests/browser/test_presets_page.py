@@ -7,34 +7,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser
 
 from rangenav import certificate, formats, preset
-from tests.browser.page import COARSE, Server, Visitor, until
+from tests.browser.page import Visitor, until
 
 SHIPPED = preset.shipped()
 BLIND = "✕ nothing excites z"
 """What the verdict says of a level circle."""
 
 
-@pytest.fixture(scope="module")
-def tab(server: Server, browser: Browser) -> Iterator[Visitor]:
-    """One page for all of these tests: to load it takes longer than most of them."""
-    opened = Visitor(browser, server.url, density=COARSE)
-    opened.dismiss_notifications()
-    opened.tab("Presets")
-    yield opened
-    opened.close()
-
-
 @pytest.fixture
-def visitor(tab: Visitor) -> Iterator[Visitor]:
+def visitor(narrow_page: Visitor, request: pytest.FixtureRequest) -> Iterator[Visitor]:
     """The page with the first preset on it, whatever was there before."""
-    if not tab.typed("preset").endswith("(paper-slow)"):
-        tab.choose("preset", "(paper-slow)")
-    _wait_for_preset(tab, "(paper-slow)")
-    yield tab
-    assert tab.complaints == []
+    narrow_page.begin_anew(request.session.testsfailed, tab="Presets")
+    yield narrow_page
+    assert narrow_page.complaints == []
 
 
 def _wait_for_preset(visitor: Visitor, ending: str) -> None:

@@ -100,6 +100,8 @@ def test_a_reload_keeps_the_tabs_and_the_pinned_run_and_the_open_preset_can_be_c
 
 
 def test_the_scene_is_saved_as_a_picture_and_as_an_animation(visitor: Visitor):
+    labels = visitor.page.evaluate("window.rnLabels")
+    assert labels >= 2  # their letters and their ground follow the page's colours
     visitor.tab("Export")
     picture = np.asarray(Image.open(io.BytesIO(saved_by(visitor, "Scene as PNG"))))
     assert picture.shape[2] == 4

@@ -49,7 +49,7 @@ class Teacher:
 
 @pytest.fixture(scope="module")
 def visitor(server: Server, browser: Browser):
-    tab = Visitor(browser, server.url, density=COARSE, drawn=True)
+    tab = Visitor(browser, server.url, density=COARSE)
     tab.dismiss_notifications()
     yield tab
     assert tab.complaints == []

@@ -119,7 +119,8 @@ def test_a_run_plays_in_frames_of_its_own_and_stands_exactly_when_it_is_paused(
     tab.command("Play or pause")
     tab.wait_for(lambda: tuple(tab.nodes["/vehicle"]["position"]) != home, "the vehicle to move")
     tab.set("page", "width=1366&height=768&hidden=1")
-    time.sleep(0.1)
+    tab.wait_for(lambda: not session.plays, "the session to know")
+    time.sleep(0.1)  # the frame before
     hidden = dict(tab.counts)
     time.sleep(0.2)
     assert tab.counts == hidden, "a hidden tab is sent no frames"
