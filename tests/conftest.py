@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Generator, Iterator
 from pathlib import Path
 
@@ -74,6 +75,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 COMPILING = pytest.StashKey[subprocess.Popen]()
+COMPILED_ONCE, FIRST_WORKER, LONGEST = SOURCE / "tests" / "__pycache__" / "all", "gw0", 60.0
+"""A file beside the compiled modules, who makes it, and how long (s) the others wait for it."""
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -83,11 +86,28 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         session.config.stash[COMPILING] = subprocess.Popen(command, cwd=SOURCE)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
+    """In a fresh clone one worker compiles all modules while it collects, and the others find them compiled."""
+    worker = getattr(session.config, "workerinput", {}).get("workerid")
+    if worker is None or COMPILED_ONCE.exists():
+        return (yield)
+    if worker != FIRST_WORKER:
+        end = time.monotonic() + LONGEST
+        while not COMPILED_ONCE.exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        return (yield)
+    collected = yield
+    COMPILED_ONCE.parent.mkdir(exist_ok=True)
+    COMPILED_ONCE.touch()
+    return collected
+
+
 def pytest_collection_finish(session: pytest.Session) -> None:
     """A worker waits for the kernels. Nothing is frozen: hypothesis asks who refers to a generator of random numbers,
     and of frozen objects the answer is nobody."""
     if hasattr(session.config, "workerinput"):
-        compiled_kernels.make()
+        compiled_kernels.read()
     gc.enable()
 
 

@@ -149,7 +149,7 @@ def test_the_shipped_presets_are_those_of_the_table_in_the_documentation():
     assert sorted(re.findall(r"^\| `([a-z-]+)` \|", table, flags=re.MULTILINE)) == NAMES
 
 
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(presets)
 def test_reading_what_was_written_gives_an_equal_preset(p):
     assert preset.loads(preset.dumps(p), source="round trip") == p

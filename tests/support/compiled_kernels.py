@@ -9,11 +9,26 @@ from rangenav.kernels import cache, precompile
 
 
 def make() -> None:
-    """Compile the kernels, or read them once another process has compiled them."""
+    """Compile the kernels, or read them if they were compiled before."""
+    with _lock():
+        _all()
+
+
+def read() -> None:
+    """Read the kernels once the process that compiles has ended; workers do so at the same time."""
+    with _lock():
+        pass
+    _all()
+
+
+def _lock() -> FileLock:
     cache.folder().parent.mkdir(parents=True, exist_ok=True)
-    with FileLock(cache.folder().with_suffix(".lock")):
-        precompile.compile_all(_say_nothing)
-        precompile.compile_estimators(_say_nothing)
+    return FileLock(cache.folder().with_suffix(".lock"))
+
+
+def _all() -> None:
+    precompile.compile_all(_say_nothing)
+    precompile.compile_estimators(_say_nothing)
 
 
 def _say_nothing(fraction: float, name: str) -> None: ...
