@@ -6,9 +6,10 @@ Entries of a list are counted from 1, as in a path.
 
 import difflib
 import re
-import tomllib
 from collections.abc import Iterable
 from typing import Any
+
+from rangenav import toml_limits
 
 AT = re.compile(r"(?P<words>.*?) - at `\$\.?(?P<place>[^`]*)`", re.DOTALL)
 QUOTED = re.compile(r"`([^`]*)`")
@@ -60,7 +61,7 @@ def _rule(words: str, place: str, text: str, kinds: dict[str, tuple[str, ...]]) 
 def _entry(text: str, place: str) -> Any:
     """What the file has at a place of the parser, such as parameters[0].kind; empty if it has nothing."""
     try:
-        value: Any = tomllib.loads(text)
+        value: Any = toml_limits.decode(text, dict)
         for part in re.findall(r"[^.\[\]]+", place):
             value = value[int(part)] if isinstance(value, list) else value[part]
     except (ValueError, KeyError, IndexError, TypeError):
