@@ -16,6 +16,8 @@ from explorer.model.listeners import Listener, Listeners
 from explorer.model.settings import Settings
 from rangenav.inputs import Vec3
 
+RETURN = 20.0
+"""s within which a page that presents may be loaded again, and the presentation goes on."""
 MAX_NAME = 24
 """Characters of a name that a student chooses."""
 
@@ -84,6 +86,8 @@ class State:
     """Whether all pages show nothing but what the teacher shows."""
     request: Request | None = None
     """The newest request; who comes later does it, too."""
+    left: float | None = None
+    """When (s, monotonic) the page that presents was closed, as by a reload; None while it is open."""
     answers_wait: bool = False
     """Whether no page goes on from a committed prediction, so that the class can discuss it first."""
 
@@ -117,7 +121,17 @@ class Classroom:
 
     def show(self, shown: Shown | None) -> None:
         """Show what the teacher's page shows; None ends the presentation, and lets frozen pages go."""
-        self._change(lambda state: replace(state, shown=shown, frozen=state.frozen and shown is not None))
+        self._change(lambda state: replace(state, shown=shown, frozen=state.frozen and shown is not None, left=None))
+
+    def leave(self, now: float) -> None:
+        """The page that presents was closed at a time (s, monotonic): what it showed stays for `RETURN` s."""
+        self._change(lambda state: replace(state, left=now if state.shown is not None else None))
+
+    def end_if_left(self, now: float) -> None:
+        """End the presentation if its page was closed, and no other has gone on with it in time."""
+        left = self._state.left
+        if left is not None and now - left >= RETURN:
+            self.show(None)
 
     def freeze(self, frozen: bool) -> None:
         """Have all pages show what the teacher shows and take no input, or let them go."""

@@ -1,6 +1,8 @@
 """A session's part in a class: the teacher's page presents, a student's follows; at this machine's own page there is
 none."""
 
+import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -9,6 +11,7 @@ from typing import Protocol
 import viser
 
 from explorer.lessons import course
+from explorer.model.classroom import RETURN
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings
@@ -108,6 +111,7 @@ class TeachersPart:
     def __init__(self, visit: Visit, shared: Shared) -> None:
         assert shared.entrance is not None, "a class has an entrance"
         dock, actions = visit.dock, visit.actions
+        self._classroom, self._came = shared.classroom, time.monotonic()
         self._presenter = Presenter(visit.client, dock, visit.playback, shared.classroom)
         lessons = {lesson.number: lesson.header.title for lesson in course().lessons}
         bar, card, predictions = (visit.client.gui.add_html("") for _ in range(3))
@@ -137,6 +141,9 @@ class TeachersPart:
     def hold(self, page: Page) -> None: ...
 
     def after(self, settings: Settings | None) -> None:
+        left = self._classroom.state.left
+        if left is not None and settings is not None and self._came > left - RETURN:  # the page was loaded again
+            self._presenter.go_on(settings)
         self._presenter.follow(settings)
         self._panel.refresh()
 
@@ -145,7 +152,10 @@ class TeachersPart:
 
     def end(self) -> None:
         if self._presenter.presenting:  # another tab of the teacher's may present
-            self._presenter.present(False)
+            self._classroom.leave(time.monotonic())
+            ending = threading.Timer(RETURN, lambda: self._classroom.end_if_left(time.monotonic()))
+            ending.daemon = True
+            ending.start()
         for end in self._end:
             end()
 

@@ -34,6 +34,11 @@ class Presenter:
             self._classroom.show(None)
         self.follow(settings)
 
+    def go_on(self, settings: Settings) -> None:
+        """Go on with a presentation whose page was closed; `settings` are those of the picture on this page."""
+        self.presenting, self._sent = True, None
+        self.follow(settings)
+
     def follow(self, settings: Settings | None) -> None:
         """Tell the class what has changed; `settings` are those of the picture on the page."""
         if not self.presenting or settings is None:

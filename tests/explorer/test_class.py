@@ -2,11 +2,13 @@
 
 import contextlib
 import http.client
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import pytest
 
+from explorer.model.classroom import RETURN
 from explorer.server import SessionServer
 from explorer.session import Session
 from explorer.shared import Compilation
@@ -185,12 +187,22 @@ def test_a_preset_of_the_teachers_own_is_offered_once_while_a_control_is_moved(p
     student.wait_for(lambda: _same(presented), "a preset that both have")
 
 
-def test_a_tab_of_the_teachers_that_does_not_present_ends_no_presentation(presented: Class) -> None:
+def test_another_tab_of_the_teachers_takes_a_presentation_over_only_when_its_page_was_closed(presented: Class) -> None:
+    classroom = presented.sessions.shared.classroom
+    shown, began = classroom.state.shown, time.monotonic()
     second = Wire(presented.port, cookie=_cookie(presented.port, f"token {presented.codes.token}"))
     session = newest(presented.sessions, second)
+    second.wait_for_text("13 of 13")
+    assert classroom.state.shown is shown
+    classroom.leave(began + RETURN)  # as though the first tab had been open for long
+    second.wait_for(lambda: classroom.state.left is None, "the presentation that goes on")
+    times: list[float | None] = []
+    end = classroom.listen(lambda: times.append(classroom.state.left))
     second.close()
     session.thread.join()
-    assert presented.sessions.shared.classroom.state.shown is not None
+    end()
+    assert any(times)  # the page may come back: the first tab, which is not open for long, goes on
+    assert classroom.state.shown is not None
     assert "You follow the teacher" in presented.student.text()
 
 

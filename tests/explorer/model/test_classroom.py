@@ -7,7 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.model.classroom import MAX_NAME, Classroom, Member, Shown, as_text, chosen_name, histogram, results
+from explorer.model.classroom import (
+    MAX_NAME,
+    RETURN,
+    Classroom,
+    Member,
+    Shown,
+    as_text,
+    chosen_name,
+    histogram,
+    results,
+)
 from explorer.model.settings import Settings
 from tests.support.page_settings import SHIPPED
 
@@ -32,6 +42,24 @@ def test_each_page_does_a_request_once_also_one_that_comes_later_and_only_the_ne
     assert late is not None
     assert late.lesson == 2
     assert classroom.take_request(2) is None
+
+
+def test_a_presentation_whose_page_was_closed_ends_unless_another_page_goes_on_in_time():
+    classroom = Classroom()
+    classroom.leave(0.0)
+    assert classroom.state.left is None
+    classroom.show(_shown())
+    classroom.freeze(True)
+    classroom.leave(1.0)
+    classroom.end_if_left(1.0 + RETURN / 2)
+    assert classroom.state.frozen
+    classroom.show(_shown())  # the page was loaded again
+    classroom.end_if_left(2.0 + RETURN)
+    assert classroom.state.frozen
+    classroom.leave(30.0)
+    classroom.end_if_left(30.0 + RETURN)
+    assert classroom.state.shown is None
+    assert not classroom.state.frozen
 
 
 def test_pages_are_frozen_only_while_something_is_shown() -> None:
