@@ -8,8 +8,8 @@ from playwright.sync_api import Page
 
 AXE = Path(axe_playwright_python.__file__).parent / "axe.min.js"
 RUN = "([where, options]) => axe.run(document.querySelector(where), options)"
-LATER = 500
-"""ms after a change in which the page names its controls (accessibility.js)."""
+NAMED, LATER = 250, 500
+"""ms after a change in which the page names its controls (accessibility.js), and on a busy machine."""
 UNREACHED = """() => [...document.querySelectorAll('body *')].filter(element => {
     if (getComputedStyle(element).cursor !== 'pointer') return false;
     if (!element.checkVisibility({visibilityProperty: true}) || !element.getBoundingClientRect().width) return false;
@@ -27,6 +27,7 @@ def broken(page: Page, where: str = "html", *, only: tuple[str, ...] = (), but: 
     options: dict[str, Any] = {"resultTypes": ["violations"], "rules": {rule: {"enabled": False} for rule in but}}
     if only:
         options["runOnly"] = {"type": "rule", "values": list(only)}
+    page.wait_for_timeout(NAMED)  # a run of axe takes longer
     found = page.evaluate(RUN, [where, options])
     if found["violations"]:  # controls that have just come get their names a moment later
         page.wait_for_timeout(LATER)
