@@ -133,8 +133,10 @@ class Wire:
         self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
     def press(self, label: str, option: str | None = None) -> None:
-        """Press a button, or the first row's button of this name that is shown."""
+        """Press a button, as soon as the page has one of this label, or the first row's button of this name that is
+        shown."""
         if option is None:
+            self.wait_for(lambda: any(p.get("label") == label for p in list(self.elements.values())), label)
             self.set(label, True)
             return
         for uuid, p in list(self.elements.items()):
