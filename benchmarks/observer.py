@@ -50,13 +50,13 @@ class Record:
         self.observer_config = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         first = model.true_state(self.truth, world=p.world)[0]
         self.start = cascade.start(p.guess, state=first, rotation=self.truth.rotation[0], world=p.world)
-        self.measurements = self.measured(p.sensors.noise)
+        self.measurements = self.measured()
         self.steps = len(self.truth.time) - 1
 
-    def measured(self, noise: sensors.Noise, *, seed: int | None = None) -> sensors.Measurements:
-        """What sensors with this noise record."""
+    def measured(self, noise: sensors.Noise | None = None, *, seed: int | None = None) -> sensors.Measurements:
+        """What sensors with this noise record, by default with the preset's noise and seed."""
         p = self.preset
-        noisy = msgspec.structs.replace(p.sensors, noise=noise)
+        noisy = p.sensors if noise is None else msgspec.structs.replace(p.sensors, noise=noise)
         rng = np.random.default_rng(p.seed if seed is None else seed)
         return sensors.measure(self.truth, path=p.path, world=p.world, sensors=noisy, rng=rng)
 
@@ -152,7 +152,7 @@ def _single(record: Record) -> Callable[[], None]:
 def _seeds(record: Record) -> Callable[[], object]:
     """The observer on records that differ in their noise."""
     p = record.preset
-    each = [record.measured(p.sensors.noise, seed=p.seed + k) for k in range(TOGETHER)]
+    each = [record.measured(seed=p.seed + k) for k in range(TOGETHER)]
     return partial(cascade.observe_each, each, [record.start] * TOGETHER, [record.observer_config] * TOGETHER)
 
 

@@ -10,13 +10,13 @@ An array is shown as its shape, its least and its largest finite number, and its
 
 import ast
 import dataclasses
-import inspect
 import re
-import textwrap
 from functools import cache
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
+
+from rangenav import python_text
 
 T = TypeVar("T")
 WIDTH = 110
@@ -91,10 +91,8 @@ def _array(values: np.ndarray) -> str:
 @cache
 def units(kind: type) -> dict[str, str]:
     """Units by field, with a blank before each, read from the docstrings under them: they are written once, there."""
-    body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
-    assert isinstance(body, ast.ClassDef)
-    known = {}
-    for field, docstring in zip(body.body, body.body[1:], strict=False):
+    body, known = python_text.class_statements(kind), {}
+    for field, docstring in zip(body, body[1:], strict=False):
         if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
             continue
         if isinstance(docstring, ast.Expr) and isinstance(docstring.value, ast.Constant):

@@ -97,3 +97,15 @@ def test_a_function_inside_another_is_counted_over_all_its_definitions():
     assert sum(refused(norm(), np.ones(4), 1) for _ in range(1024)) == shape_checker.FIRST + np.log2(
         1024 / shape_checker.FIRST
     )
+
+
+def test_an_error_of_a_checked_function_is_the_error_of_the_function_alone():
+    @shape_checker.sampled(typechecker=shape_checker.checked)
+    def failing(vector: Float[np.ndarray, "n"]) -> None:
+        raise ValueError("its own words")
+
+    with pytest.raises(ValueError, match="own") as refusal:
+        failing(np.ones(3))
+    assert not getattr(refusal.value, "__notes__", [])
+    with pytest.raises(TypeCheckError):
+        failing("no array")  # pyright: ignore

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from rangenav import python_text
 from rangenav.commands.text.lines import COLUMNS, wrapped
 
 Command = Callable[..., None]
@@ -47,7 +48,7 @@ def documentation(name: str) -> str:
     """The docstring of a command's function; loads nothing."""
     module, function = _place(name)
     source = (Path(__file__).parent / f"{module}.py").read_text("utf-8")
-    (found,) = (node for node in ast.parse(source).body if getattr(node, "name", "") == function)
+    (found,) = (node for node in python_text.statements(source) if getattr(node, "name", "") == function)
     assert isinstance(found, ast.FunctionDef)
     return ast.get_docstring(found) or ""
 

@@ -14,6 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from rangenav import python_text
 from rangenav.signals import series
 from rangenav.signals.series import Series
 
@@ -54,10 +55,10 @@ def parse(text: str) -> Node:
         raise ValueError(f"a formula may have {MAX_LENGTH} characters, this one has {len(text)}")
     _check_words(text)
     try:
-        tree = ast.parse(f"({text})", mode="eval")  # so leading blanks do no harm, and columns count from 1
+        tree = python_text.expression(f"({text})")  # so leading blanks do no harm, and columns count from 1
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ValueError("this is no formula") from None
-    return _Translation().node(tree.body, depth=0)
+    return _Translation().node(tree, depth=0)
 
 
 def evaluate(node: Node, t: Series, order: int) -> Series:
