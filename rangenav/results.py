@@ -10,6 +10,7 @@ An array is shown as its shape, its least and its largest finite number, and its
 
 import ast
 import dataclasses
+import itertools
 import re
 from functools import cache
 from typing import Any, TypeVar, dataclass_transform
@@ -92,7 +93,7 @@ def _array(values: np.ndarray) -> str:
 def units(kind: type) -> dict[str, str]:
     """Units by field, with a blank before each, read from the docstrings under them: they are written once, there."""
     body, known = python_text.class_statements(kind), {}
-    for field, docstring in zip(body, body[1:], strict=False):
+    for field, docstring in itertools.pairwise(body):
         if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
             continue
         if isinstance(docstring, ast.Expr) and isinstance(docstring.value, ast.Constant):
