@@ -1,7 +1,8 @@
 """The form: all sections of controls on one visitor's page, the queue of what buttons do, and the jobs.
 
-viser's threads   a control was moved: wake(); a button was pressed: do(action)       nothing else
-session's loop    run_actions(), deliver(), refresh()
+viser's threads      a control was moved: wake()                  nothing else
+viser's event loop   a button was pressed: do(action)             nothing else, in the order of the presses
+session's loop       run_actions(), deliver(), refresh()
 """
 
 from collections import deque
@@ -15,6 +16,7 @@ from viser._messages import HotkeyKey, KeyModifier
 from explorer.model import palette
 from explorer.model.jobs import Job, Jobs
 from explorer.model.turns import Places, Share
+from explorer.web.in_order import in_order
 from explorer.widgets.complaint import Complaint, InvalidInputError
 
 Wake = Callable[[], None]
@@ -210,7 +212,7 @@ class Form:
         `away`: whether another panel acts."""
         self.hints[label] = hint
         button = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
-        button.on_click(lambda _: self.do(action, away=away))
+        button.on_click(in_order(lambda _: self.do(action, away=away)))
         return button
 
     def command(
@@ -224,7 +226,7 @@ class Form:
     ) -> None:
         """A command of the Ctrl+K palette, with an optional hotkey. step: whether undo takes it back."""
         command = self.gui.add_command(label, hotkey=key, modifier=modifier)
-        command.on_trigger(lambda _: self.do(action, step=step, away=True))
+        command.on_trigger(in_order(lambda _: self.do(action, step=step, away=True)))
 
     @property
     def waiting(self) -> bool:
@@ -235,5 +237,5 @@ class Form:
         """A row of small buttons, each with an action."""
         self.hints[label] = hint
         row = self.gui.add_button_group(label, tuple(actions), hint=hint)
-        row.on_click(lambda event: self.do(actions.get(event.target.value, _nothing)))
+        row.on_click(in_order(lambda event: self.do(actions.get(event.target.value, _nothing))))
         return row

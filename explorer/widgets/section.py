@@ -7,6 +7,7 @@ from typing import Any
 
 from explorer.model.glossary import in_labels
 from explorer.web.elements import element_id
+from explorer.web.in_order import in_order
 from explorer.widgets.complaint import Complaint, InvalidInputError
 from explorer.widgets.form import Form, Resettable
 
@@ -33,7 +34,7 @@ class Section:
             self.complaint = Complaint(self.gui, order=COMPLAINTS)
             self._row = self.gui.add_button_group("reset", ("",), visible=False, order=RESETS, hint=RESET_HINT)
         self._offered: tuple[str, ...] = ()
-        self._row.on_click(lambda event: form.do(partial(self._reset, event.target.value)))
+        self._row.on_click(in_order(lambda event: form.do(partial(self._reset, event.target.value))))
         form.sections.append(self)
 
     def __enter__(self) -> "Section":

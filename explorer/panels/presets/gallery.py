@@ -6,12 +6,13 @@ tile presses the button. Nothing is sent to the browser before the gallery is sh
 
 import html
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
 from explorer.panels.presets.card import DIMMED, badge, picture
 from explorer.storage.catalog import Catalog, marked
+from explorer.web.in_order import in_order
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
 from rangenav.preset import Preset
@@ -53,7 +54,7 @@ class Gallery:
         with Section(form):
             self._tiles = form.gui.add_html("", visible=False)
             self._row = form.gui.add_button_group("open", self._labels, hint=OPEN_HINT, visible=False)
-        self._row.on_click(lambda event: form.do(lambda label=event.target.value: self._open_labelled(label)))
+        self._row.on_click(in_order(lambda event: form.do(partial(self._open_labelled, event.target.value))))
 
     def toggle(self, open_name: str) -> None:
         """Show or hide it."""

@@ -210,6 +210,21 @@ def test_tones_are_added_and_removed_and_come_back(editing: Editing):
     assert editing.settings.preset.path == before
 
 
+def test_presses_within_a_moment_are_all_taken_in_their_order(editing: Editing):
+    before, form, pressed = editing.settings.preset.path, editing.session.form, "zxyyzx"
+    assert isinstance(before, Multisine)
+    run = form.actions_run
+    for axis in pressed:
+        editing.tab.press("add a tone along", f"+ {axis}")
+    editing.tab.wait_for(lambda: form.actions_run == run + len(pressed), "all presses to be taken")
+    editing.settle()
+    after = editing.settings.preset.path
+    assert isinstance(after, Multisine)
+    assert "".join(tone.axis for tone in after.tones[len(before.tones) :]) == pressed
+    while editing.settings.preset.path != before:
+        editing.command("Undo")
+
+
 def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
     editing.set("preset", f"{preset.load('circle').title} (circle)")
     assert "blind</b>" in editing.tab.text()
