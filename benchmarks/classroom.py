@@ -169,7 +169,7 @@ async def _measure(process: subprocess.Popen[str], count: int, minutes: float, w
     playing = await room.over(QUIET)
     chance = random.Random(1)
     length = 60 * (minutes + warm_up)
-    drags = [asyncio.create_task(_work(visitor, length, chance)) for visitor in room.visitors]
+    drags = [asyncio.create_task(_work(visitor, length + EVERY, chance)) for visitor in room.visitors]
     sampler = asyncio.create_task(_by_minutes(room, warm_up + minutes))
     await asyncio.sleep(60 * warm_up)
     for visitor in room.visitors:

@@ -4,7 +4,8 @@
     python benchmarks/studies.py --long     10⁵ empty tasks through the scheduler, and memory over 10⁵ runs
 All make runs of paper-slow, 20 s at 200 Hz, in parts as `study run` divides the study.
 
-    overhead = 1 − CPU time of the points / (workers · wall time from making the store to the last receipt)
+    overhead = 1 − share of the study / share of a plain pool that computes the same parts and keeps nothing
+    share    = CPU time of the points / (workers · wall time from making the store to the last receipt)
 The CPU time is of the threads that compute, as each part's receipt has it, and the workers are there before. The start
 of a study is a row of its own. Two workers need two free cores: figures from a busy machine mean nothing.
 """
@@ -24,7 +25,7 @@ import psutil
 from timing import Target, report, versions
 
 from rangenav import ensemble, preset, record
-from rangenav.studies import blocks, cluster, creation, plan, running, store, study
+from rangenav.studies import blocks, cluster, creation, evaluation, plan, running, store, study
 from rangenav.studies.parameters import Linear
 from rangenav.studies.study_file import StudyFile
 
@@ -72,6 +73,7 @@ def _usual(folder: Path) -> Figures:
     with workers(1) as one:
         _study(folder / "warm1.zarr", one, points=1, part=1)
         alone = _timed(_study, folder / "one.zarr", one, FEWER, parts.chunk[0])
+    used_by_pool = _used_by_pool(parts)
     loop = statistics.median(_timed(ensemble.seeds, preset.load("paper-slow"), PEER_RUNS) for _ in range(ROUNDS))
     pool = _timed_pool()
     rates = {
@@ -81,10 +83,13 @@ def _usual(folder: Path) -> Figures:
         "multiprocessing pool, 2 processes": PEER_RUNS / pool,
     }
     efficiency = rates["study, 2 workers"] / (WORKERS * rates["study, 1 worker"])
-    overhead, size = 1 - computed / (WORKERS * wall), _bytes(path) / (POINTS * RUNS)
+    used_by_study, size = computed / (WORKERS * wall), _bytes(path) / (POINTS * RUNS)
+    overhead = 1 - used_by_study / used_by_pool
     rows = [
         *((name, f"{rate:.0f} runs/s") for name, rate in rates.items()),
         ("parts", f"{parts.count} of {computed / parts.count:.1f} s"),
+        ("cores used by points: study", f"{100 * used_by_study:.1f} %"),
+        ("cores used by points: a pool that keeps nothing", f"{100 * used_by_pool:.1f} %"),
         ("CPU time that is not of points", f"{100 * (1 - computed / used):.1f} %"),
         ("start: trial, workers, kernels", f"{start:.1f} s"),
         ("store", f"{size:.0f} bytes per run"),
@@ -144,6 +149,25 @@ def _cpu() -> float:
 
 def _bytes(path: Path) -> int:
     return sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
+
+
+def _used_by_pool(parts: blocks.Blocks) -> float:
+    """The share of the cores that the points of the same parts take in a plain pool, which keeps no result. What is
+    missing from 1 is the machine's: other programs, and the wait for the last part."""
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(WORKERS) as pool:
+        pool.map(_seconds_of, [range(1)] * WORKERS, chunksize=1)
+        some = [range(first, min(first + parts.chunk[0], POINTS)) for first in range(0, POINTS, parts.chunk[0])]
+        began = time.perf_counter()
+        computed = sum(pool.imap_unordered(_seconds_of, some))
+        return computed / (WORKERS * (time.perf_counter() - began))
+
+
+def _seconds_of(points: range) -> float:
+    """CPU time of some points, s."""
+    began = time.thread_time()
+    evaluation.block(_of(POINTS), points)
+    return time.thread_time() - began
 
 
 def _timed_pool() -> float:

@@ -107,21 +107,22 @@ class Visitor:
                 if self._attends:
                     size = int.from_bytes(frame[HEADER : 2 * HEADER], "little")
                     packed = unpack.decompress(frame[2 * HEADER : 2 * HEADER + size])
-                    self._drawn = False
+                    now, self._answers = time.perf_counter(), False
                     for message in msgspec.msgpack.decode(packed)["messages"]:
-                        await self._take_in(message)
-                    if self._drawn:
-                        self._answer(time.perf_counter())
+                        await self._take_in(message, now)
+                    if self._answers:
+                        self._answer(now)
         except ConnectionClosed as reason:
             self.closed = str(reason)
 
-    async def _take_in(self, message: dict[str, Any]) -> None:
+    async def _take_in(self, message: dict[str, Any], now: float) -> None:
         name = message["type"]
         if name == "GuiUpdateMessage":
             updates = message["updates"]
             if message["uuid"] == self._box and "value" in updates:
-                self._shown = float(updates["value"])
-            self._drawn = self._drawn or "data" in updates
+                self._shown, self._answers = float(updates["value"]), True
+            if "data" in updates:
+                self._drawn_at, self._answers = now, True
             if READY in str(updates.get("content", "")).replace(UNBROKEN, " "):
                 self._ready.set()
         elif name == "RegisterCommandMessage":
@@ -132,12 +133,17 @@ class Visitor:
         elif name.startswith("Gui") and message.get("props", {}).get("label"):
             self._ids.setdefault(message["props"]["label"], message["uuid"])
 
-    _shown, _drawn = math.nan, False
-    """The value in the box beside the slider, and whether a plot was drawn; a picture brings both in one frame."""
+    _shown, _drawn_at, _answers = math.nan, -math.inf, False
+    """The value in the box beside the slider, when (s) a plot was drawn last, and whether the frame had one of them.
+    The box follows the picture, in the same frame or in the next one."""
 
     def _answer(self, now: float) -> None:
-        """A picture has come, of the value in the box: it answers the event of that value, and those before it."""
-        close = [k for k, (_, value) in enumerate(self._waiting) if math.isclose(value, self._shown, rel_tol=2e-3)]
+        """The picture of the value in the box has come: it answers the event of that value, and those before it."""
+        close = [
+            k
+            for k, (sent, value) in enumerate(self._waiting)
+            if sent < self._drawn_at and math.isclose(value, self._shown, rel_tol=2e-3)
+        ]
         if close:
             answered, self._waiting = self._waiting[: close[-1] + 1], self._waiting[close[-1] + 1 :]
             self.waits += [1e3 * (now - sent) for sent, _ in answered]
