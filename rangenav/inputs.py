@@ -69,7 +69,13 @@ def shortened(sentence: str) -> str:
     """One line of a readable length, for the message of a parser: it repeats a wrong value whole, then says where it
     stands."""
     line = " ".join(sentence.split())
-    return line if len(line) <= MAX_SENTENCE else f"{line[: MAX_SENTENCE // 2]} … {line[-MAX_SENTENCE // 2 :]}"
+    half = MAX_SENTENCE // 2
+    return line if len(line) <= MAX_SENTENCE else f"{_words(line[:half])} … {_words(line[-half:][::-1])[::-1]}"
+
+
+def _words(cut: str) -> str:
+    """A text that was cut, without the word that the cut went through; a text of one word as it is."""
+    return cut.rpartition(" ")[0] or cut
 
 
 @cache

@@ -148,6 +148,8 @@ def loads(text: str, *, source: str) -> Preset:
     try:
         return toml_limits.decode(text, Preset)
     except ValueError as error:
+        of_study = any(f"unknown field `{name}`" in str(error) for name in ("presets", "metrics", "parameters"))
+        require(not of_study, f"{source}: a study, and no preset; rangenav study plan and run take it")
         raise ValueError(f"{source}: {error}") from None
 
 

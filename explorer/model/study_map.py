@@ -74,7 +74,8 @@ def metrics_with(metric: str) -> tuple[str, ...]:
     needed = METRICS[metric].needs
     if needed == "run":
         return (*(row.name for row in ROWS if row.needs == "run"), FLYABLE)
-    return tuple(row.name for row in ROWS if row.needs in ("motion", needed))
+    also = "analysis" if needed == "verdict" else needed  # a verdict has them on its way
+    return tuple(row.name for row in ROWS if row.needs in ("motion", needed, also))
 
 
 def design(settings: Settings, paths: tuple[str, ...]) -> Preset:

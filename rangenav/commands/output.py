@@ -12,6 +12,10 @@ PresetName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="PRESET"
 """A shipped preset's name or a path to a TOML file."""
 
 
+STOPPED = 130
+"""The exit code of a program that Ctrl+C ended."""
+
+
 def print_json(answer: dict[str, Any]) -> None:
     """Exactly one JSON object on stdout; a number that is not finite is an error of ours, not output."""
     print(json.dumps(answer, allow_nan=False, ensure_ascii=False))

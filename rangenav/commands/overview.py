@@ -21,6 +21,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 }
 """The names of all commands."""
 NAMES = tuple(name for group in GROUPS.values() for name in group)
+SUBCOMMANDS: Mapping[str, tuple[str, ...]] = {"study": ("plan", "run", "show", "export", "copy", "preset")}
+"""The names of the commands below a command."""
 OTHERWISE = {"presets": "presets.list_presets", "import": "import_.import_"}
 """Module and function of the commands whose name is not that of both."""
 START = """rangenav: what one range can tell of a motion, and the observers that use it.

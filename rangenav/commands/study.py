@@ -4,6 +4,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,24 +14,24 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from rangenav.commands import study_files
-from rangenav.commands.output import print_json
+from rangenav.commands.output import STOPPED, print_json
 from rangenav.commands.progress import describing, working
 from rangenav.commands.study_files import FileName, StoreName
 from rangenav.inputs import require
+from rangenav.progress import CancelledError
 
 if TYPE_CHECKING:
     from rangenav.studies.running import State
 
 TRIAL = "timing a few points (compiles the first time)"
-STOPPED = 130
-"""The exit code of a program that Ctrl+C ended."""
 
 
-def plan(study: FileName, *, json: bool = False) -> None:
+def plan(study: FileName, *, workers: int | None = None, json: bool = False) -> None:
     """Say what a study will take: points, runs, time and bytes. A few of its points are computed.
 
     Args:
         study: A shipped study's name or a path to a TOML file.
+        workers: Processes that share the work, as for run; as many as this machine has cores by default.
         json: Print one JSON object.
     """
     from rangenav.commands import study_answers
@@ -39,9 +40,11 @@ def plan(study: FileName, *, json: bool = False) -> None:
     from rangenav.studies import plan as planning
     from rangenav.studies import study as studies
 
-    of = studies.load(study)
+    require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
+    of, count = studies.load(study), workers or os.cpu_count() or 1
     with working(TRIAL, logged=True):
-        answer = study_answers.plan_report(of, planning.plan(of, workers=os.cpu_count() or 1), name=study)
+        planned, idle = planning.plan(of, workers=count), planning.without_effect(of)
+        answer = study_answers.plan_report(of, planned, name=study, workers=count, without_effect=idle)
     return print_json(answer) if json else layout.show(text.planned(answer))
 
 
@@ -77,20 +80,30 @@ def run(
     require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
     require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")
     began, last, count = time.monotonic(), [], workers or os.cpu_count() or 1
+    asked, begun = threading.Event(), threading.Event()
     try:
         with describing(f"computing {Path(study).stem}") as say:
             say(0.0, TRIAL)
 
             def shown(state: "State") -> None:
+                begun.set()
                 last[:] = [state]
-                say(state.done / state.parts, text.progress(state, of.watched))
+                say(state.done / state.parts, text.progress(state, of.watched, len(of.file.estimators)))
 
-            with _stoppable(lambda: say(None, "stopping; the parts that are finished are kept")):
-                state = running.run(of, path, workers=count, scheduler=scheduler, dashboard=dashboard, shown=shown)
-    except KeyboardInterrupt:
-        logging.getLogger("asyncio").setLevel(logging.CRITICAL)  # dask's connections end in the middle of a task
-        kept = running.kept(path, last[0].parts) if last else "nothing was computed yet"
-        print(f"{path}: stopped; {kept}", file=sys.stderr)
+            def stopping() -> None:
+                # Dask's connections end in the middle of a task.
+                logging.getLogger("asyncio").setLevel(logging.CRITICAL)
+                asked.set()
+                say(None, "stopping; the parts that are finished are kept")
+                if not begun.is_set():
+                    raise KeyboardInterrupt
+
+            options = {"workers": count, "scheduler": scheduler, "dashboard": dashboard}
+            with _stoppable(stopping):
+                state = running.run(of, path, **options, shown=shown, cancelled=asked.is_set)
+    except (KeyboardInterrupt, CancelledError):
+        computed = last[0].computed if last else 0
+        print(f"{path}: {running.stopped(path, computed)}", file=sys.stderr)
         raise SystemExit(STOPPED) from None
     answer = study_answers.run_report(of, state, store=path, seconds=time.monotonic() - began)
     return print_json(answer) if json else layout.show(text.computed(answer))
@@ -104,13 +117,12 @@ def show(store: StoreName, *, json: bool = False) -> None:
         json: Print one JSON object.
     """
     from rangenav.commands import study_answers
-    from rangenav.commands.text import layout
-    from rangenav.commands.text import study as text
+    from rangenav.commands.text import layout, study_store
     from rangenav.studies import store as stores
 
     with working(f"reading {store.name}"):
         answer = study_answers.show_report(stores.opened(store))
-    return print_json(answer) if json else layout.show(text.shown(answer))
+    return print_json(answer) if json else layout.show(study_store.shown(answer))
 
 
 Action = Annotated[
@@ -138,14 +150,13 @@ def study(action: Action) -> None:
 def _stoppable(stopping: Callable[[], None]) -> Iterator[None]:
     """SIGTERM, with which batch systems end a program, stops a study as Ctrl+C does; a second one changes nothing.
 
-    `stopping` tells the person, because the workers take seconds to end.
+    `stopping` is called in the main thread, and may raise KeyboardInterrupt.
     """
 
     def stop(_number: int, _frame: object) -> None:
         for number in before:
             signal.signal(number, signal.SIG_IGN)
         stopping()
-        raise KeyboardInterrupt
 
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     for number, handler in before.items():

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 import tyro
 
-from rangenav.commands import numbers, overview
+from rangenav.commands import numbers, output, overview
 from rangenav.commands.text.lines import COLUMNS, CONTINUED, folded_command, wrapped
 from rangenav.formats import OpenQuestionsError, Question, typed_flag
 from rangenav.motion import DirectionWarning
@@ -85,10 +85,16 @@ def run_command() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         fail(f"{error.filename or PROGRAM}: {error.strerror}")
+    except KeyboardInterrupt:
+        print(f"{PROGRAM}: stopped", file=sys.stderr, flush=True)
+        os._exit(output.STOPPED)  # without what libraries do at the end, which fails in the middle of their work
     except SystemExit as stop:
         if stop.code == 2:
             fail(usage_error(messages.getvalue()))
         print(messages.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
+        if stop.code == output.STOPPED:
+            sys.stderr.flush()
+            os._exit(output.STOPPED)
         raise
 
 
@@ -149,4 +155,11 @@ def usage_error(box: str) -> str:
             paragraph.append(line)
         elif paragraph:
             break
-    return " ".join(paragraph).strip() + f" (see {PROGRAM} --help)"
+    return " ".join(paragraph).strip() + f" (see {' '.join([PROGRAM, *_named()])} --help)"
+
+
+def _named() -> list[str]:
+    """The command that was typed, and its subcommand."""
+    named = [name for name in sys.argv[1:2] if name in overview.NAMES]
+    inner = overview.SUBCOMMANDS.get(named[0], ()) if named else ()
+    return named + [name for name in sys.argv[2:3] if name in inner]

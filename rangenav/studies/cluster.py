@@ -1,15 +1,21 @@
 """Where a study runs: workers of one thread on this machine, or those of a dask scheduler that runs already."""
 
 import logging
+import signal
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Any
 from urllib.parse import urlsplit
 
+from rangenav.progress import Cancelled, CancelledError, never
 from rangenav.studies import extra, tasks
 
 DASHBOARD, NO_DASHBOARD = "127.0.0.1:8787", "127.0.0.1:0"
 """The scheduler listens there for a browser; without a dashboard on any free port, which nobody is told."""
+POLL = 0.1
+"""s between two looks at `cancelled`."""
 CONNECT = "10s"
 """How long a scheduler may take to answer."""
 QUIET = logging.CRITICAL
@@ -57,19 +63,33 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
 
     with config.set(LOCAL):
         logging.getLogger("distributed").setLevel(QUIET)
-        with (
-            distributed.LocalCluster(
+        with _interrupts_held():
+            cluster = distributed.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=0,
                 dashboard_address=DASHBOARD if dashboard else NO_DASHBOARD,
                 silence_logs=QUIET,
-            ) as cluster,
-            distributed.Client(cluster) as own,
-        ):
+            )
+        with cluster, distributed.Client(cluster) as own:
             own.register_plugin(IgnoreInterrupt())
             yield own
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Workers that start meanwhile do not see the Ctrl+C of their terminal, not even while they import.
+
+    A process inherits the mask of the thread that starts it, and a thread the mask of its maker. The tracker of
+    multiprocessing clears the mask when it starts, so it is started before.
+    """
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def threads(client: Any) -> int:
@@ -77,12 +97,19 @@ def threads(client: Any) -> int:
     return sum(client.ncores().values())
 
 
-def compile_everywhere(client: Any, path: str, digest: str) -> None:
-    """Compile the kernels of a store's study once on every host, before work is dealt out."""
+def compile_everywhere(client: Any, path: str, digest: str, cancelled: Cancelled = never) -> None:
+    """Compile the kernels of a store's study once on every host, before work is dealt out.
+
+    Raises CancelledError when it is cancelled.
+    """
     hosts = {urlsplit(address).hostname: address for address in client.ncores()}
-    client.gather(
-        [
-            client.submit(tasks.compile_kernels, path, digest, workers=[one], allow_other_workers=True, pure=False)
-            for one in hosts.values()
-        ]
-    )
+    futures = [
+        client.submit(tasks.compile_kernels, path, digest, workers=[one], allow_other_workers=True, pure=False)
+        for one in hosts.values()
+    ]
+    while not all(future.done() for future in futures):
+        if cancelled():
+            raise CancelledError
+        time.sleep(POLL)
+    for future in futures:
+        future.result()

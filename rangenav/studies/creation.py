@@ -16,7 +16,7 @@ from rangenav.inputs import require
 from rangenav.studies import extra, parameters, receipts, study_file, units
 from rangenav.studies.blocks import Blocks
 from rangenav.studies.estimators import ESTIMATORS
-from rangenav.studies.metrics import METRICS
+from rangenav.studies.metrics import METRICS, Metric
 from rangenav.studies.store import FORMAT_VERSION, REASON, RUNS, SOURCE, SUFFIX, UNKNOWN, Store
 from rangenav.studies.study import Study
 
@@ -58,7 +58,7 @@ def _fill(path: Path, study: Study, blocks: Blocks) -> None:
             (*study.shape, *extra_shape) if of_run else study.shape,
             (*blocks.chunk, *extra_shape) if of_run else blocks.chunk,
             np.dtype(np.float64),
-            {"units": row.unit or "1", "long_name": row.title},
+            {"units": row.unit or "1", "long_name": row.title, **_windows(study, row)},
         )
     words = {"long_name": "runs of the point", "units": "1", "comment": "-1: not computed yet; 0: invalid, see reason"}
     _create(group, RUNS, study.dimensions, study.shape, blocks.chunk, np.dtype(np.int32), words)
@@ -84,6 +84,11 @@ def _attributes(study: Study, blocks: Blocks) -> dict[str, Any]:
         "points_of_a_part": list(blocks.chunk),
         **({"coordinates": " ".join(inner)} if inner else {}),
     }
+
+
+def _windows(study: Study, row: Metric) -> dict[str, str]:
+    """Of a metric of observability, which windows it comes from."""
+    return {"comment": study.file.windows_judged} if row.needs == "analysis" else {}
 
 
 def _coordinates(study: Study) -> Iterator[tuple[str, tuple[str, ...], Any, dict[str, Any]]]:

@@ -20,7 +20,7 @@ from rangenav.record import Truth
 from rangenav.results import result
 from rangenav.sensors import measure
 from rangenav.studies.estimators import ESTIMATORS, Flown
-from rangenav.studies.metrics import METRICS, Metric, Run, flight
+from rangenav.studies.metrics import METRICS, OBSERVABLE, Metric, Run, flight
 from rangenav.studies.study import Study
 
 RUNS_TOGETHER = 8
@@ -97,8 +97,12 @@ def _of_motion(study: Study, preset: Preset) -> tuple[Float[Array, "m"], Truth |
     truth = record.simulated(record.truth_inputs(preset)) if study.file.run_metrics or "motion" in wanted else None
     if "motion" in wanted and truth is not None:
         _fill(values, rows, "motion", flight(truth.motion, preset))
-    if "analysis" in wanted:
-        _fill(values, rows, "analysis", analysis.sampled(preset, study.file.windows))
+    if wanted & {"analysis", "verdict"}:
+        every = study.file.every_window
+        of = analysis.analyse(preset) if every else analysis.sampled(preset, study.file.windows)
+        _fill(values, rows, "analysis", of)
+        sure = every or "verdict" not in wanted or of.verdict.word != OBSERVABLE  # no window is better than the worst
+        _fill(values, rows, "verdict", of if sure else analysis.analyse(preset))
     return values, truth
 
 

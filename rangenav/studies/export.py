@@ -47,7 +47,8 @@ def to_parquet(of: Store, path: Path, *, every_run: bool = False) -> int:
     count, writer = 0, None
     try:
         for columns in tables(of, every_run=every_run):
-            table = arrow.table({name: _typed(column) for name, column in columns.items()})
+            typed = {name: _typed(column) for name, column in columns.items()}
+            table = arrow.table(typed, metadata={"observability": of.study.file.windows_judged})
             writer = parquet.ParquetWriter(path, table.schema) if writer is None else writer
             writer.write_table(table)
             count += table.num_rows

@@ -20,10 +20,19 @@ NEAREST = 3
 
 def near(name: str, names: Iterable[str]) -> str:
     """`there is no x; did you mean y? There are …`, the likeliest names first."""
+    return f"there is no {name}; {_names(name, names, 'there are')}"
+
+
+def unknown_key(name: str, names: Iterable[str]) -> str:
+    """The same of a key of a table."""
+    return f"no key is named {name}; {_names(name, names, 'the keys are')}"
+
+
+def _names(name: str, names: Iterable[str], before: str) -> str:
     known = list(names)
     likely = difflib.get_close_matches(name, known, NEAREST, cutoff=0.5)
-    meant = f"did you mean {' or '.join(likely)}? There are " if likely else "there are "
-    return f"there is no {name}; {meant}{', '.join(known)}"
+    meant = f"did you mean {' or '.join(likely)}? {before.capitalize()}" if likely else before
+    return f"{meant} {', '.join(known)}"
 
 
 def explained(sentence: str, text: str, fields: dict[str, dict[str, tuple[str, ...]]]) -> str:
@@ -42,7 +51,7 @@ def explained(sentence: str, text: str, fields: dict[str, dict[str, tuple[str, .
 def _rule(words: str, place: str, text: str, kinds: dict[str, tuple[str, ...]]) -> str:
     quoted = QUOTED.findall(words)
     if words.startswith("Object contains unknown field"):
-        return near(quoted[0], kinds.get(str(_entry(text, f"{place}.kind")), kinds.get("", ())))
+        return unknown_key(quoted[0], kinds.get(str(_entry(text, f"{place}.kind")), kinds.get("", ())))
     if words.startswith("Object missing required field"):
         return f"{quoted[0]} is missing"
     if words.startswith("Invalid value") and place.endswith("kind"):

@@ -1,6 +1,7 @@
 """The metrics of a study: a row for each, with its unit, its title, what it is read from, and how.
 
-    analysis   observability of the motion (`analysis.sampled`): one value at each point
+    analysis   observability of the motion, of the worst sampled window or of all: one value at each point
+    verdict    the verdict on the motion, of all windows: one value at each point
     motion     what the motion demands of a vehicle: one value at each point
     run        errors of an estimator on one record: a value for each run
 A new metric is one row of METRICS.
@@ -13,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rangenav import consistency, motion, vehicle
+from rangenav import consistency, motion, record, vehicle
 from rangenav.model import POSITION
 from rangenav.motion import Limits, Motion
 from rangenav.preset import Preset
@@ -21,7 +22,7 @@ from rangenav.record import Outcome, Truth
 from rangenav.results import result
 from rangenav.studies.intervals import Middle
 
-Needs = Literal["analysis", "motion", "run"]
+Needs = Literal["analysis", "verdict", "motion", "run"]
 Better = Literal["less", "more", "neither"]
 
 
@@ -35,7 +36,8 @@ class Metric:
     title: str
     needs: Needs
     value: Callable[[Any], float]
-    """From an Analysis, a Flight or a Run, as `needs` says; NaN or infinite where there is no such number."""
+    """From an Analysis (also for a verdict), a Flight or a Run, as `needs` says; NaN or infinite where there is no such
+    number."""
     better: Better = "less"
     """Which values are better."""
     middle: Middle = "mean"
@@ -108,6 +110,11 @@ def _summary(name: str) -> Callable[[Run], float]:
 
 
 MORE_OF_ANALYSIS, OF_ANALYSIS, OF_MOTION = _of("analysis", "more"), _of("analysis"), _of("motion")
+OBSERVABLE = "observable"
+"""The word of the verdict."""
+WITHIN = f"{record.SETTLED_POSITION:g} m", f"{math.degrees(record.SETTLED_ATTITUDE):g}°"
+SETTLED = " and ".join(WITHIN)
+"""Below which errors count as settled."""
 LAST_QUARTER = "RMS over the last quarter of the flight"
 OF_RUN, TIME = _of("run"), _of("run", middle="median")
 ROWS = (
@@ -146,12 +153,12 @@ ROWS = (
         lambda a: a.nonlinear_end.position,
         "the same of the nonlinear model: the best for any estimator",
     ),
-    _of("analysis", "more", "share")(
+    _of("verdict", "more", "share")(
         "observable",
         "",
         "the verdict is observable: every requirement is met",
-        lambda a: float(a.verdict.word == "observable"),
-        "1 if rank, μ and σ meet what the preset requires",
+        lambda a: float(a.verdict.word == OBSERVABLE),
+        "1 if rank, μ and σ of all windows, not only of the sampled ones, meet what the preset requires",
     ),
     OF_MOTION("speed", "m/s", "largest speed", _limit("speed"), "over the flight, as all of the motion"),
     OF_MOTION("acceleration", "m/s²", "largest acceleration", _limit("acceleration"), "without gravity"),
@@ -167,19 +174,19 @@ ROWS = (
     TIME(
         "settle_position",
         "s",
-        "settling time, position",
+        f"settling time, position to {WITHIN[0]}",
         lambda r: _or_never(r.outcome.summary.settle_position_s),
-        "from when on the error stays below 0.3 m; infinite if it does not",
+        f"from when on the error stays below {WITHIN[0]}, whatever the preset requires; infinite if it does not",
     ),
     TIME(
         "settle_attitude",
         "s",
-        "settling time, attitude",
+        f"settling time, attitude to {WITHIN[1]}",
         lambda r: _or_never(r.outcome.summary.settle_attitude_s),
-        "from when on the error stays below 5°; infinite if it does not",
+        f"from when on the error stays below {WITHIN[1]}; infinite if it does not",
     ),
     _of("run", "more", "share")(
-        "settled", "", "position and attitude settle", _settled, "1 if both settling times are finite"
+        "settled", "", f"position and attitude settle, to {SETTLED}", _settled, "1 if both settling times are finite"
     ),
     OF_RUN("steady_position", "m", "steady error, position", _summary("steady_position"), LAST_QUARTER),
     OF_RUN("steady_velocity", "m/s", "steady error, velocity", _summary("steady_velocity"), LAST_QUARTER),
@@ -208,6 +215,7 @@ ROWS = (
         "1 if estimate and ranges disagree so much that the observer must start again; no truth is used",
     ),
 )
+RANKS = ("rank", "rank_nonlinear")
 METRICS: Mapping[str, Metric] = {row.name: row for row in ROWS}
 """Every metric by its name."""
 

@@ -6,14 +6,19 @@ The trial decides how many points a part has, and nothing of the results.
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import msgspec
 import numpy as np
 
 from rangenav import preset
+from rangenav.inputs import shortened
 from rangenav.studies import blocks, evaluation
 from rangenav.studies.blocks import Blocks
+from rangenav.studies.metrics import METRICS, RANKS, ROWS
+from rangenav.studies.parameters import Choices, Listed, Parameter
 from rangenav.studies.study import Study
+from rangenav.studies.study_file import Grid
 
 PART_SECONDS = 6.0
 """CPU time of one part: long against the overhead of a task, short enough to lose little with a worker."""
@@ -26,6 +31,8 @@ TRIALS, TRIED = 3, 12
 """Valid points that are timed, and points that are looked at to find them."""
 TRIAL_RUNS = 4
 """Runs of such a point: enough to be made side by side."""
+ENDS = (0.1, 0.9)
+"""Shares of the probability at which a distribution, or the range of a sample, is tried for its effect."""
 RECEIPT_BYTES, FILE_BYTES = 400, 110
 """Of a receipt, and for each of its files."""
 CHUNK_BYTES, ARRAY_BYTES, GROUP_BYTES = 40, 2500, 4000
@@ -44,6 +51,8 @@ class Cost:
     """Points that were looked at to find a few valid ones."""
     invalid: int
     """Of them, those that are invalid."""
+    reason: str = ""
+    """Why the first of them is invalid; empty if none is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,22 +82,91 @@ def warm_up(study: Study) -> None:
 def cost(study: Study) -> Cost:
     """The CPU time of a point and of a run, medians of a few points."""
     warm_up(study)
-    point, run, tried = [], [], 0
+    point, run, reasons = [], [], _unfit(study)
     for index in _places(study):
-        tried += 1
         began = time.process_time()
-        if evaluation.point(study, index, runs=0).reason:
+        reason = evaluation.point(study, index, runs=0).reason
+        if reason:
+            reasons[index] = reason
             continue
+        reasons[index] = ""
         middle = time.process_time()
         done = evaluation.point(study, index, runs=TRIAL_RUNS).runs.shape[1]  # of a motion that is cached by now
         point.append(middle - began)
         run.append((time.process_time() - middle) / done if done else 0.0)
         if len(run) == TRIALS:
             break
-    invalid = tried - len(run)
-    if not run:
-        return Cost(point=0.0, run=0.0, tried=tried, invalid=invalid)
-    return Cost(point=float(np.median(point)), run=float(np.median(run)), tried=tried, invalid=invalid)
+    wrong = [reason for reason in reasons.values() if reason]
+    return Cost(
+        point=float(np.median(point)) if point else 0.0,
+        run=float(np.median(run)) if run else 0.0,
+        tried=len(reasons),
+        invalid=len(wrong),
+        reason=wrong[0] if wrong else "",
+    )
+
+
+def without_effect(study: Study) -> tuple[str, ...]:
+    """The parameters that change no metric: from their first value to their last one, the others at both ends.
+
+    A run of either value has the same seed, so that a parameter with any effect on it is seen.
+    """
+    ends = tuple(_ends(one) for one in study.file.parameters)
+    changes = {"design": Grid(), "runs": 1, "stop": None, "common_seeds": True, "metrics": _finer(study.file.metrics)}
+    file = msgspec.structs.replace(study.file, parameters=ends, **changes)
+    of = replace(study, file=file, bases=study.bases[:1], names=study.names[:1])
+    last, without = of.count - 1, []
+    corners = {place: evaluation.point(of, place) for place in {0, last}}
+    for k, one in enumerate(ends):
+        step = math.prod(of.shape[k + 1 :]) if one.size == len(ENDS) else 0
+        others = {0: step, last: last - step}
+        if step and all(_same(corners[corner], evaluation.point(of, other)) for corner, other in others.items()):
+            without.append(one.path)
+    return tuple(without)
+
+
+def _finer(metrics: tuple[str, ...]) -> tuple[str, ...]:
+    """The metrics, and for a yes or no or a rank, which hide most changes, all others of the same origin."""
+    coarse = {METRICS[name].needs for name in metrics if METRICS[name].middle == "share" or name in RANKS}
+    coarse |= {"analysis"} if "verdict" in coarse else set()
+    return tuple(row.name for row in ROWS if row.name in metrics or row.needs in coarse)
+
+
+def _ends(of: Parameter) -> Listed | Choices:
+    """A parameter with the first and the last of its values alone."""
+    values = of.grid() if of.size else of.quantile(np.array(ENDS))
+    kept = tuple(dict.fromkeys((values[0], values[-1])))
+    kind = Choices if isinstance(of, Choices) else Listed
+    return kind(path=of.path, name=of.name, values=kept)
+
+
+def _same(one: evaluation.PointResult, other: evaluation.PointResult) -> bool:
+    """Whether all metrics of two points are equal; no invalid point is equal to any."""
+    valid = not one.reason and not other.reason
+    return valid and all(np.array_equal(getattr(one, of), getattr(other, of), True) for of in ("point", "runs"))
+
+
+def _unfit(study: Study) -> dict[int, str]:
+    """Why a point is invalid, empty where it is valid as far as its preset shows, where each parameter has its least
+    and its largest value."""
+    reasons = {}
+    for index in _extremes(study):
+        try:
+            study.preset_at(index)
+            reasons[index] = ""
+        except ValueError as error:
+            reasons[index] = shortened(str(error))
+    return reasons
+
+
+def _extremes(study: Study) -> list[int]:
+    """Points at which a parameter has its first or last value in a grid, its least or largest one in a sample."""
+    if isinstance(study.file.design, Grid):
+        middle = [length // 2 for length in study.shape]
+        places = [[*middle[:k], end, *middle[k + 1 :]] for k, n in enumerate(study.shape) for end in (0, n - 1)]
+        return sorted({int(np.ravel_multi_index(place, study.shape)) for place in places})
+    points = [values for values in study.values.values() if values.dtype != object]
+    return sorted({int(k) for values in points for k in (np.argmin(values), np.argmax(values))})
 
 
 def divided(study: Study, of: Cost, *, workers: int = 1) -> Blocks:

@@ -15,11 +15,10 @@ from typing import Any, Literal
 
 from rangenav.inputs import require, shortened
 from rangenav.progress import Cancelled, CancelledError, never
-from rangenav.studies import cluster, creation, extra, plan, receipts, store, tasks
+from rangenav.studies import cluster, creation, differences, extra, plan, receipts, store, tasks
 from rangenav.studies.receipts import Receipt
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
-from rangenav.studies.study_file import StudyFile
 
 AHEAD = 3
 """Tasks that the scheduler holds for each thread: enough that no worker waits for this program, and few to be dropped
@@ -63,6 +62,8 @@ class State:
     """The mean over the parts of the relative half width of the watched metric's interval; None without."""
     met: int | None
     """Points that meet the stopping rule; None without one."""
+    seconds: float
+    """CPU time of the parts that are done."""
     stage: Stage
     """What is done now."""
 
@@ -88,6 +89,9 @@ def run(
     scheduler is lost, and CancelledError when it is cancelled.
     """
     extra.distributed()
+    if scheduler is not None and client is None:  # before a store is made
+        with cluster.connected(workers=workers, scheduler=scheduler, dashboard=False):
+            pass
     of = _opened(study, path, workers if client is None else cluster.threads(client))
     with of.locked():
         tally = _Tally(of)
@@ -95,7 +99,7 @@ def run(
         if tally.missing:
             with cluster.connected(client, workers=workers, scheduler=scheduler, dashboard=dashboard) as connected:
                 shown(tally.state("kernels"))
-                _compile(connected, of)
+                _compile(connected, of, cancelled)
                 tally.begin()
                 _deal(connected, of, tally, shown, cancelled)
         return tally.state()
@@ -106,26 +110,26 @@ def _opened(study: Study, path: Path, workers: int) -> Store:
     if not path.exists():
         return creation.created(path, study, plan.divided(study, plan.cost(study), workers=max(1, workers)))
     of = store.opened(path)
-    words = f"{of.study.file.title!r} ({_difference(of.study, study)})"
-    require(of.study.digest == study.digest, f"{path}: holds another study, {words}; choose another store")
+    if of.study.digest != study.digest:
+        words = f"{of.study.file.title} ({differences.between(of.study, study)})"
+        raise ValueError(f"{path}: holds another study, {words}; choose another store")
     rule = f"{path}: begun with {of.source}; go on with that version, or choose another store"
     require(of.source == store.SOURCE, rule)
     return of
 
 
-def _difference(there: Study, here: Study) -> str:
-    """What differs between two studies, as a clause."""
-    for name in StudyFile.__struct_fields__:
-        old, new = getattr(there.file, name), getattr(here.file, name)
-        if old != new:
-            plain = all(isinstance(one, str | int | float) for one in (old, new))
-            return f"its {name} is {old!r}, not {new!r}" if plain else f"its {name} differ from this one's"
-    return "its presets differ from this one's"
-
-
 def kept(path: Path, parts: int) -> str:
     """What is kept of a study that was stopped, as a clause for a person."""
-    return f"{sum(1 for _ in receipts.written(path))} of {parts} parts are kept, and the same command goes on"
+    count = sum(1 for _ in receipts.written(path))
+    return f"{count} of {parts} parts {'is' if count == 1 else 'are'} kept, and the same command goes on"
+
+
+def stopped(path: Path, computed: int) -> str:
+    """What a person reads after a stop; `computed`: parts that this call computed."""
+    if not path.exists():
+        return "stopped before anything was computed"
+    what = "stopped" if computed else "stopped before anything new was computed"
+    return f"{what}; {kept(path, store.opened(path).blocks.count)}"
 
 
 class _Tally:
@@ -134,7 +138,7 @@ class _Tally:
     def __init__(self, of: Store) -> None:
         self._by_runs, self._parts = bool(of.study.file.run_metrics), of.blocks.count
         self._done = self._points = self._invalid = self._runs = self._work = self._computed = 0
-        self._width, self._widths = 0.0, 0
+        self._width, self._widths, self._seconds = 0.0, 0, 0.0
         self._met = None if of.study.file.stop is None else 0
         there = set()
         for part, receipt in of.done().items():
@@ -168,11 +172,13 @@ class _Tally:
             left=seconds / computed * (self._parts - self._done) if computed else None,
             width=self._width / self._widths if self._widths else None,
             met=self._met,
+            seconds=self._seconds,
             stage=stage,
         )
 
     def _count(self, receipt: Receipt) -> None:
         self._done += 1
+        self._seconds += receipt.seconds
         self._points += receipt.points
         self._invalid += receipt.invalid
         self._runs += receipt.runs
@@ -184,10 +190,10 @@ class _Tally:
             self._widths += 1
 
 
-def _compile(client: Any, of: Store) -> None:
+def _compile(client: Any, of: Store, cancelled: Cancelled) -> None:
     """Compile the kernels once on every host. Raises StoppedError if the scheduler is lost."""
     try:
-        cluster.compile_everywhere(client, str(of.path.resolve()), of.study.digest)
+        cluster.compile_everywhere(client, str(of.path.resolve()), of.study.digest, cancelled)
     except (OSError, RuntimeError) as error:
         raise _stopped(of, f"no worker could begin ({type(error).__name__})") from None
 

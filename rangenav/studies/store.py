@@ -119,7 +119,10 @@ class Store:
 def opened(path: Path) -> Store:
     """A store that exists. Raises ValueError with one sentence if it is none."""
     zarr = extra.zarr()
-    require(path.exists(), f"{path}: no such store")
+    there = path.with_suffix(SUFFIX)
+    meant = f"; did you mean {there}?" if there != path and there.is_dir() else ""
+    require(path.exists(), f"{path}: no such store{meant}")
+    require(path.is_dir(), f"{path}: a file, and no store of a study{meant}")
     try:
         attributes = dict(zarr.open_group(path, mode="r").attrs)
     except (OSError, KeyError, TypeError, ValueError):

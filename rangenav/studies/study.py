@@ -9,13 +9,13 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from jaxtyping import Shaped
+from jaxtyping import Int, Shaped
 from numpy import ndarray as Array
 
 from rangenav import field_path, preset, signals
 from rangenav.inputs import require
 from rangenav.preset import Preset
-from rangenav.studies import study_file
+from rangenav.studies import parameter_paths, study_file
 from rangenav.studies.parameters import DERIVED, SIZE, TIME_SCALE, Parameter
 from rangenav.studies.study_file import Grid, Sobol, StudyFile
 
@@ -91,9 +91,18 @@ class Study:
             for parameter, values, k in zip(self.file.parameters, self.values.values(), inner, strict=True)
         }
 
+    def place(self, index: int) -> dict[str, float | str]:
+        """A point for a person: its number, its preset if there are several, and the values of its parameters."""
+        base = {PRESET: self.names[int(self.base_of(np.array([index]))[0])]} if len(self.bases) > 1 else {}
+        return {POINT: index, **base, **self.at(index)}
+
+    def base_of(self, indices: Int[Array, "n"]) -> Int[Array, "n"]:
+        """The number of each point's base preset, from 0."""
+        return indices // (self.count // len(self.bases))
+
     def preset_at(self, index: int) -> Preset:
         """The preset of a point. Raises ValueError with one sentence if the values do not fit."""
-        base = self.bases[self._place(index)[0] if len(self.bases) > 1 else 0]
+        base = self.bases[int(self.base_of(np.array([index]))[0])]
         values = self.at(index)
         changed = {path: value for path, value in values.items() if path not in DERIVED}
         of = field_path.replaced(base, changed) if changed else base
@@ -133,7 +142,10 @@ def find(name_or_path: str | Path) -> Path:
         require(path.is_file(), f"{path}: no such file")
         return path
     there = shipped()
-    require(path.name in there, f"{path}: no such study; shipped are {', '.join(there)}")
+    beside = [one for one in (path.with_suffix(".toml"), path.with_suffix(".zarr")) if one.exists() and one != path]
+    meant = f"did you mean {' or '.join(map(str, beside))}? Shipped" if beside else "shipped"
+    require(path.suffix != ".zarr", f"{path}: a store; study show reads it, and study run and plan take a study's file")
+    require(path.name in there, f"{path}: no such study; {meant} are {', '.join(there)}")
     return there[path.name]
 
 
@@ -145,7 +157,7 @@ def load(name_or_path: str | Path) -> Study:
     path = find(name_or_path)
     file = study_file.read(path)
     try:
-        bases = tuple(preset.load(_beside(name, path)) for name in file.presets)
+        bases = tuple(_base(name, path) for name in file.presets)
         return of_file(file, bases, tuple(Path(name).stem for name in file.presets))
     except ValueError as error:
         raise ValueError(f"{path.name}: {error}") from None
@@ -155,13 +167,19 @@ def of_file(file: StudyFile, bases: tuple[Preset, ...], names: tuple[str, ...] |
     """A study of presets that are values already. Raises ValueError if a parameter names nothing in one of them."""
     names = file.presets if names is None else names
     require(len(set(names)) == len(names), f"presets must have different names, got {', '.join(names)}")
-    study_file.refuse_unknown_paths(file, bases)
+    parameter_paths.refuse_unknown(file.parameters, bases)
     return Study(file=file, bases=bases, names=names)
 
 
-def _beside(name: str, path: Path) -> str | Path:
-    """A preset's file is named from the folder of the study's file."""
-    return path.parent / name if name.endswith(".toml") or Path(name).parent != Path(".") else name
+def _base(name: str, path: Path) -> Preset:
+    """A shipped preset, or one whose file is named from the folder of the study's file. Raises ValueError."""
+    if name.endswith(".toml") or Path(name).parent != Path("."):
+        return preset.load(path.parent / name)
+    there = path.parent / f"{name}.toml"
+    known = [file.stem for file in preset.shipped_files()]
+    rule = f'presets: no shipped preset is named {name}; to use the file beside this one, write "{there.name}"'
+    require(name in known or not there.is_file(), rule)
+    return preset.load(name)
 
 
 def _with_path(of: Preset, name: str, factor: float) -> Preset:

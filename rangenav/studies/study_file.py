@@ -3,20 +3,18 @@
 Errors name file, field and rule: `anchor.toml: parameters.2: low must lie below high, got 3 and -3`.
 """
 
-import difflib
 from pathlib import Path
 from typing import Literal, get_args
 
 import msgspec
 import numpy as np
 
-from rangenav import field_path, preset, toml_limits
+from rangenav import preset, toml_limits
 from rangenav.inputs import Input, require, require_within
-from rangenav.preset import Preset
 from rangenav.studies import file_errors
 from rangenav.studies.estimators import ESTIMATORS
 from rangenav.studies.metrics import METRICS
-from rangenav.studies.parameters import DERIVED, Choices, Listed, Parameter
+from rangenav.studies.parameters import Choices, Listed, Parameter
 from rangenav.studies.stopping import Stop
 
 FORMAT_VERSION = 1
@@ -78,7 +76,9 @@ class StudyFile(Input, frozen=True, kw_only=True):
     estimators: tuple[str, ...] = ("cascade",)
     metrics: tuple[str, ...]
     windows: int = 101
-    """So many windows, evenly spaced over the flight; the metrics of observability are those of the worst."""
+    """So many windows, evenly spaced over the flight; the metrics of observability are those of the worst of them."""
+    every_window: bool = False
+    """The metrics of observability are those of the worst of all windows, as `analyze` has them."""
     stop: Stop | None = None
 
     def __post_init__(self) -> None:
@@ -135,6 +135,11 @@ class StudyFile(Input, frozen=True, kw_only=True):
         return tuple(name for name in self.metrics if METRICS[name].needs != "run")
 
     @property
+    def windows_judged(self) -> str:
+        """Which windows the metrics of observability come from, for a person."""
+        return "worst of all windows" if self.every_window else f"worst of {self.windows} windows (sampled)"
+
+    @property
     def most_runs(self) -> int:
         """Seeds at each point at most: 0 if no metric is of a run."""
         return self.runs if self.run_metrics else 0
@@ -161,7 +166,18 @@ def loads(text: str, *, source: str) -> StudyFile:
     try:
         return toml_limits.decode(text, StudyFile)
     except ValueError as error:
+        rule = f'{source}: a preset, and no study; a study names it: presets = ["{source}"]'
+        require(not _is_preset(text), rule)
         raise ValueError(f"{source}: {file_errors.explained(str(error), text, FIELDS)}") from None
+
+
+def _is_preset(text: str) -> bool:
+    """Whether a text that is no study is a preset."""
+    try:
+        table = toml_limits.decode(text, dict)
+    except ValueError:
+        return False
+    return "path" in table and "presets" not in table
 
 
 def dumps(file: StudyFile) -> str:
@@ -169,6 +185,8 @@ def dumps(file: StudyFile) -> str:
     table = msgspec.to_builtins(file)
     if file.stop is None:
         del table["stop"]
+    if not file.every_window:  # the first files did not have it
+        del table["every_window"]
     for parameter in table["parameters"]:
         for name in [name for name, entry in parameter.items() if entry is None or entry == ""]:
             del parameter[name]
@@ -186,33 +204,6 @@ def read(path: Path) -> StudyFile:
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
     return loads(text, source=path.name)
-
-
-def refuse_unknown_paths(file: StudyFile, bases: tuple[Preset, ...]) -> None:
-    """Raise ValueError if a parameter names no number, or no word, of one of the presets."""
-    for k, parameter in enumerate(file.parameters):
-        if parameter.path in DERIVED:
-            require(not isinstance(parameter, Choices), f"parameters.{k + 1}: {parameter.path} takes numbers")
-            least = min(parameter.values) if isinstance(parameter, Listed) else getattr(parameter, "low", 1.0)
-            require(least > 0, f"parameters.{k + 1}: {parameter.path} must be positive, got {least:g}")
-            continue
-        for base in bases:
-            try:
-                if isinstance(parameter, Choices):
-                    field_path.word(base, parameter.path)
-                else:
-                    field_path.value(base, parameter.path)
-            except ValueError as error:
-                raise ValueError(f"parameters.{k + 1}: path {_reason(error, parameter.path, base)}") from None
-
-
-def _reason(error: ValueError, path: str, base: Preset) -> str:
-    """Why a path is wrong, and the paths of the preset that look like it."""
-    first = path.split(".")[0]
-    words = str(error) if first in base.__struct_fields__ else f"{path}: there is no {first}"
-    known = [*DERIVED, *field_path.paths(base)]
-    likely = difflib.get_close_matches(path, known, 3) or [one for one in known if path.split(".")[-1] in one][:3]
-    return f"{words}; did you mean {' or '.join(likely)}?" if likely else words
 
 
 def _refuse_points(points: int) -> None:

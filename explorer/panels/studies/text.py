@@ -10,6 +10,7 @@ from rangenav.studies.requirements import Bound
 
 Names = tuple[Candidate, Candidate]
 Values = tuple[float, float]
+SAMPLED = "Values are those of the worst of sampled windows: too good by some percent."
 
 
 def sentence(
@@ -32,6 +33,8 @@ def sentence(
         parts.append(f"{percent(judged.meeting)} of {count} points meet “{bound.words}”{_rule(metric, bound)}{share}.")
     elif share:
         parts.append(f"{percent(judged.flyable or 0.0)} of {count} points keep the vehicle's limits.")
+    if METRICS[metric].needs == "analysis":
+        parts.append(SAMPLED)
     invalid = int((of.reason != "").sum())
     if invalid:
         parts.append(f"{invalid} cannot be computed.")

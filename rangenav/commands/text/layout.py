@@ -60,7 +60,7 @@ def next_commands(*commands: str) -> tuple[Group, ...]:
 def rendered(report: Report, columns: int = COLUMNS) -> list[str]:
     """The lines of a report, wrapped to so many columns."""
     lines = [*head_lines(report, columns), *([report.title] if report.title else [])]
-    lines += [""] if report.groups else []
+    lines += [""] if report.groups and report.groups[0].name != NEXT else []
     for one in report.groups:
         name = one.name
         if name == NEXT:

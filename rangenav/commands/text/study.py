@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
 from rangenav.commands.text.verdict import Json
-from rangenav.number_format import percent, quantity, significant
+from rangenav.number_format import percent, significant
 
 if TYPE_CHECKING:
     from rangenav.studies.running import State
@@ -13,12 +13,14 @@ if TYPE_CHECKING:
 MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 SIZES = ("B", "kB", "MB", "GB", "TB")
 THOUSAND = 1000.0
-MOST_REASONS = 5
+START = 10
+"""s: imports, a trial and the start of workers."""
 STAGES = {"workers": "workers start", "kernels": "loading kernels (compiles the first time)"}
 
 
-def progress(state: "State", watched: str | None) -> str:
-    """One line behind the bar: parts, rate, time left, and the 95 % interval of the watched metric."""
+def progress(state: "State", watched: str | None, estimators: int = 1) -> str:
+    """One line behind the bar: parts, rate, time left, and the 95 % interval of the watched metric at a median point,
+    of several estimators that of the widest."""
     parts = [f"{state.done}/{state.parts} parts"]
     if state.done < state.parts and state.stage != "points":
         return " · ".join([*parts, STAGES[state.stage]])
@@ -29,13 +31,14 @@ def progress(state: "State", watched: str | None) -> str:
     if state.left is not None:
         parts.append(f"{duration(state.left)} left")
     if state.width is not None and watched is not None:
-        parts.append(f"±{percent(state.width)} (95 %, {watched})")
+        of = "the widest of all estimators at " if estimators > 1 else ""
+        parts.append(f"{watched} ±{percent(state.width)} (95 %, {of}a typical point)")
     return " · ".join(parts)
 
 
 def planned(answer: Json) -> Report:
     """What a study will take."""
-    runs = f"{answer['runs']:,} runs".replace(",", " ")
+    runs = count(answer["runs"], "run")
     if answer["least_runs"] != answer["runs"]:
         runs = f"{answer['least_runs']:,} to {runs}".replace(",", " ")
     each = [f"{1e3 * answer['cpu_seconds_per_point']:.3g} ms for each point"]
@@ -43,17 +46,19 @@ def planned(answer: Json) -> Report:
     tried, invalid = answer["points_tried"], answer["points_tried_invalid"]
     return Report(
         subject=layout.subject(answer["study"]),
-        sign="!" if invalid else "✓",
-        answer=f"{_count(answer['points'], 'point')}, {duration(answer['cpu_seconds'])} of one core",
+        sign="!" if invalid or answer["without_effect"] else "✓",
+        answer=f"{count(answer['points'], 'point')}, {duration(answer['cpu_seconds'])} of one core",
         title=answer["title"],
         groups=(
-            *group("points", _dimensions(answer["dimensions"])),
+            *group("points", dimensions(answer["dimensions"])),
             *group("runs", runs if answer["runs"] else "none: no metric is of a run"),
-            *group("invalid", f"{invalid} of {tried} points that were tried; study show has the reasons after a run")[
-                : 1 if invalid else 0
-            ],
-            *group("time", f"{duration(answer['cpu_seconds'])} of one core, shared by all workers", *each),
-            *group("store", f"at most {size(answer['bytes'])} in {_count(answer['parts'], 'part')}"),
+            *group(
+                "invalid",
+                f"{invalid} of {tried} points that were tried: {answer['invalid_reason']}" if invalid else None,
+            ),
+            *group("no effect", *(f"{path}: its values change no metric here" for path in answer["without_effect"])),
+            *group("time", f"{duration(answer['cpu_seconds'])} of one core", _shared(answer), *each),
+            *group("store", f"at most {size(answer['bytes'])} in {count(answer['parts'], 'part')}"),
             *layout.next_commands(f"study run {layout.argument(answer['study'])}"),
         ),
     )
@@ -65,12 +70,16 @@ def computed(answer: Json) -> Report:
     return Report(
         subject=layout.subject(answer["store"]),
         sign="✓",
-        answer=f"complete: {_count(answer['points'], 'point')}, {_count(answer['runs'], 'run')}",
+        answer=f"complete: {done(answer)}",
         title=answer["title"],
         groups=(
-            *group("now", f"{answer['computed']} of {answer['parts']} parts in {duration(answer['seconds'])}"),
-            *group("stop", _stopping(answer)),
-            *group("invalid", f"{_count(answer['invalid'], 'point')}; study show has the reasons")[
+            *group(
+                "now",
+                f"{answer['computed']} of {count(answer['parts'], 'part')} in {duration(answer['seconds'])}",
+                f"all parts together took {duration(answer['cpu_seconds'])} of CPU time",
+            ),
+            *group("stop", stopping(answer)),
+            *group("invalid", f"{count(answer['invalid'], 'point')}; study show has the reasons")[
                 : 1 if answer["invalid"] else 0
             ],
             *layout.next_commands(f"study show {store}", f"study export {store} --csv table.csv"),
@@ -78,39 +87,15 @@ def computed(answer: Json) -> Report:
     )
 
 
-def shown(answer: Json) -> Report:
-    """What a store holds."""
-    parts = answer["parts"]
-    complete = parts["done"] == parts["all"]
-    damaged = f"{_count(parts['damaged'], 'part')} damaged; study run computes what is missing"
-    return Report(
-        subject=layout.subject(answer["store"]),
-        sign="✓" if complete else "!",
-        answer="complete" if complete else f"{parts['done']} of {parts['all']} parts are done",
-        title=answer["title"],
-        groups=(
-            *group("points", _dimensions(answer["dimensions"]), damaged if parts["damaged"] else None),
-            *group("done", f"{_count(answer['points'], 'point')}, {_count(answer['runs'], 'run')}"),
-            *group("stop", _stopping(answer)),
-            *(
-                one
-                for row in answer["metrics"]
-                for one in group(row["metric"], *_extremes(row, answer["points"] - answer["invalid"]))
-            ),
-            *group("invalid", _count(answer["invalid"], "point") if answer["invalid"] else None, _reasons(answer)),
-        ),
-    )
-
-
 def exported(answer: Json) -> Report:
     """Tables that are written."""
     missing, parts = answer["parts_missing"], answer["parts"]
-    points = _count(answer["points_missing"], "point")
+    points = count(answer["points_missing"], "point")
     return Report(
         subject=layout.subject(answer["store"]),
         sign="!" if missing else "✓",
         answer=f"exported without {points}: {missing} of {parts} parts are not computed" if missing else "exported",
-        groups=group("files", *(f"{one['file']}: {_count(one['rows'], 'row')}" for one in answer["files"])),
+        groups=group("files", *(f"{one['file']}: {count(one['rows'], 'row')}" for one in answer["files"])),
     )
 
 
@@ -133,7 +118,7 @@ def saved(answer: Json) -> Report:
         sign="✓",
         answer=f"point {answer['point']} is the preset {answer['file']}",
         groups=(
-            *group("values", _place(answer["values"])),
+            *group("values", place(answer["values"])),
             *layout.next_commands(f"analyze {file}", f"simulate {file}"),
         ),
     )
@@ -156,60 +141,38 @@ def size(count: float) -> str:
     return f"{count:.3g} {SIZES[-1]}"
 
 
-def _extremes(row: Json, valid: int) -> list[str]:
-    of = f"{row['title']}, {row['estimator']}" if row["estimator"] else row["title"]
-    if row["estimator"] and row["middle"] != "mean":
-        of += f", {row['middle']} of the runs"
-    if not row["finite"]:
-        return [f"{of}: no finite value"]
-    of += f": finite at {row['finite']} of {valid} points" if row["finite"] < valid else ""
-    if row["middle"] == "share" and not row["estimator"]:
-        return [f"{of}: {_points(row, valid)}"]
-    both = (("least", "from"), ("largest", "to"))
-    ends = (f"{word} {quantity(row[key], row['unit'])} at {_place(row[f'{key}_at'])}" for key, word in both)
-    return [of, *ends, *_meeting(row, valid)]
+def done(answer: Json) -> str:
+    """How many points and runs are done."""
+    runs = count(answer["runs"], "run") if answer["runs"] else "no runs needed"
+    return f"{count(answer['points'], 'point')}, {runs}"
 
 
-def _meeting(row: Json, valid: int) -> list[str]:
-    """At how many points a metric meets its bound, and between which values of each parameter they lie."""
-    if row["bound"] is None:
-        return []
-    sign, level = "at most" if row["bound"]["at_most"] else "at least", quantity(row["bound"]["level"], row["unit"])
-    rule = " in half of the runs" if row["middle"] == "share" else f" ({sign} {level})"
-    return [f"{row['bound_words']}{rule}: {_points(row, valid)}"]
+def _shared(answer: Json) -> str:
+    """The wall time of all workers."""
+    return f"{duration(answer['seconds'])} with {count(answer['workers'], 'worker')}, and some {START} s to start"
 
 
-def _points(row: Json, valid: int) -> str:
-    """`3 of 81 points; there x from 0 to 0.375, y = 0`."""
-    said = f"{row['meets']} of {valid} points"
-    if not 0 < row["meets"] < valid:
-        return said
-    ends = ((path, significant(low), significant(high)) for path, (low, high) in row["meets_within"].items())
-    where = (f"{path} = {low}" if low == high else f"{path} from {low} to {high}" for path, low, high in ends)
-    return f"{said}; there {', '.join(where)}"
-
-
-def _stopping(answer: Json) -> str | None:
+def stopping(answer: Json) -> str | None:
+    """At how many points the stopping rule is met; None without one."""
     met = answer["stopping_rule_met"]
     if met is None:
         return None
     left = answer["points"] - answer["invalid"] - met
-    return f"the rule is met at {_count(met, 'point')}" + (f"; {left} have the most runs without it" if left else "")
+    return f"the rule is met at {count(met, 'point')}" + (f"; {left} have the most runs without it" if left else "")
 
 
-def _place(at: Json) -> str:
-    values = (f"{path} = {value if isinstance(value, str) else significant(value)}" for path, value in at.items())
+def place(at: Json) -> str:
+    """`point 12, x = 0.5`; of values alone, without a number, `x = 0.5`."""
+    pairs = ((path, value if isinstance(value, str) else significant(value)) for path, value in at.items())
+    values = [f"point {at['point']}" if path == "point" else f"{path} = {value}" for path, value in pairs]
     return ", ".join(values) or "the one point"
 
 
-def _reasons(answer: Json) -> list[str]:
-    shown = [f"{one['points']} × {one['words']}" for one in answer["reasons"][:MOST_REASONS]]
-    return shown + (["and others; study export has all"] if len(answer["reasons"]) > MOST_REASONS else [])
-
-
-def _dimensions(of: Json) -> str:
+def dimensions(of: Json) -> str:
+    """Each dimension and how many values it has."""
     return " × ".join(f"{name} {length}" for name, length in of.items())
 
 
-def _count(number: int, noun: str) -> str:
+def count(number: int, noun: str) -> str:
+    """`1 point`, `2 points`."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", " ")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from rangenav import analysis, comparison, record
+from rangenav import analysis, comparison, preset, record
 from rangenav.progress import CancelledError
 from rangenav.studies import evaluation, intervals, maps, study
 from rangenav.studies.estimators import ESTIMATORS
@@ -40,6 +40,19 @@ def test_every_metric_is_a_number_of_a_usual_motion(small: study.Study):
     assert np.isfinite(one.point).all()
     late = [name for name, value in zip(of.file.run_metrics, one.runs[0, 0], strict=True) if not np.isfinite(value)]
     assert set(late) <= {"settle_position", "settle_attitude"}
+
+
+def test_observable_is_the_verdict_over_all_windows_also_where_the_sampled_ones_are_good_enough(small: study.Study):
+    slow = preset.load("paper-slow")
+    of = changed(small, metrics=("sigma_lifted", "observable"), parameters=())
+    sampled, exact = (f(slow).lifted_end.position for f in (analysis.sampled, analysis.analyse))
+    assert sampled < exact
+    required = replace(slow, requirement=replace(slow.requirement, position_sigma=(sampled + exact) / 2))
+    between = study.of_file(of.file, (required,))
+    assert analysis.sampled(required).verdict.word == "observable"
+    assert evaluation.point(between, 0).point.tolist() == [sampled, 0.0]
+    every = study.of_file(replace(of.file, every_window=True), (required,))
+    assert evaluation.point(every, 0).point.tolist() == [exact, 0.0]
 
 
 def test_a_value_that_does_not_fit_makes_the_point_invalid_with_its_reason_and_no_other(small: study.Study):

@@ -116,7 +116,9 @@ def test_the_store_is_the_same_for_other_parts_in_another_order(whole: store.Sto
 
 def test_another_study_and_a_second_program_are_refused(small: study.Study, whole: store.Store, client, copy: Path):
     other = study.of_file(replace(small.file, seed=4), small.bases)
-    with pytest.raises(ValueError, match=r"small.zarr: holds another study, 'a small study' \(its seed is 3, not 4\)"):
+    with pytest.raises(
+        ValueError, match=r"small.zarr: holds another study, a small study \(seed is 3 there, and 4 here\)"
+    ):
         running.run(other, copy, client=client)
     with store.opened(copy).locked(), pytest.raises(ValueError, match="another program is computing this study"):
         running.run(small, copy, client=client)
@@ -180,6 +182,25 @@ def test_a_summary_says_at_how_many_points_a_requirement_is_met_and_between_whic
     assert of.within["time_scale"] == (times.min(), times.max())
 
 
+def test_a_summary_has_the_points_that_meet_everything_and_the_best_of_them(whole: store.Store):
+    of, opened = summary.summary(whole), loaded(whole.path)
+    steady = opened.steady_position.mean("run").sel(estimator="cascade").values.ravel()
+    sigma, needed = opened.sigma_lifted.values.ravel(), whole.study.bases[0].requirement.position_sigma
+    settled = opened.settled.mean("run").values.ravel() >= 0.5
+    every = (steady <= needed) & (sigma <= needed) & settled & (opened.flyable.values.ravel() == 1)
+    assert of.together["cascade"].count == every.sum()
+    assert of.metrics["sigma_lifted", ""].missed.count == (sigma > needed).sum()
+    best = of.metrics["sigma_lifted", ""].best
+    assert best == sigma[every].min() if every.any() else np.isnan(best)
+
+
+def test_a_scheduler_that_does_not_answer_leaves_no_store(small: study.Study, tmp_path: Path):
+    pytest.importorskip("distributed")
+    with pytest.raises(ValueError, match="is no address"):
+        running.run(small, tmp_path / "none.zarr", scheduler="nonsense://")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_receipt_has_how_many_points_meet_the_stopping_rule(small: study.Study, tmp_path: Path):
     stop = Stop(metric="steady_position", half_width=0.3, least=4)
     of = study.of_file(replace(small.file, stop=stop, runs=12), small.bases)
@@ -187,7 +208,7 @@ def test_a_receipt_has_how_many_points_meet_the_stopping_rule(small: study.Study
     tasks.compute(str(made.path), of.digest, 1)
     values = made.read(1)["steady_position"].reshape(3, 12)
     met = sum(stop.met(row[None, ~np.isnan(row)]) for row in values)
-    assert made.done()[1].met == summary.summary(made).met == met
+    assert made.done()[1].met == summary.summary(made).stopped == met
 
 
 def test_a_receipt_with_one_changed_digit_counts_as_none(whole: store.Store, tmp_path: Path):

@@ -3,14 +3,15 @@
 from pathlib import Path
 from typing import get_args
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rangenav import preset
+from rangenav import field_path, preset
 from rangenav.field_path import value
-from rangenav.studies import blocks, parameters, plan, study, study_file, units
+from rangenav.studies import blocks, differences, parameters, plan, study, study_file, units
 from rangenav.studies.estimators import ESTIMATORS
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Linear, Listed, Log, LogNormal, Normal
@@ -99,7 +100,7 @@ BROKEN = {
     'metrics = ["mu"]\nestimators = ["kf"]': "estimators: there is no kf; did you mean ekf? There are cascade,",
     'metrics = ["mu"]\npresets = ["nowhere"]': "nowhere: no such preset",
     'metrics = ["mu"]\nruns = 0': "runs must lie between 1 and 10000, got 0",
-    'metrics = ["mu"]\ncolour = 1': "there is no colour; there are version, title",
+    'metrics = ["mu"]\ncolour = 1': "no key is named colour; the keys are version, title",
     'metrics = ["mu"]\n[stop]\nmetric = "mu"\nhalf_width = 0.1': "stop.metric: mu is no metric of a run",
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 12': "points must be a power of two, got 12",
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 8': "a sample needs one parameter or more",
@@ -108,17 +109,24 @@ PARAMETER = 'metrics = ["mu"]\n[[parameters]]\nkind = "linear"\n'
 BROKEN |= {
     PARAMETER + 'path = "gains.k9"\nlow = 0\nhigh = 1\ncount = 2': "parameters.1: path gains.k9: there is no k9",
     PARAMETER + 'path = "world.anchor.0"\nlow = 0\nhigh = 1\ncount = 2': "0 must lie between 1 and 3, or be x, y or z",
-    PARAMETER + 'path = "gains.mode"\nlow = 0\nhigh = 1\ncount = 2': "gains.mode: names no number",
+    PARAMETER + 'path = "gains.mode"\nlow = 0\nhigh = 1\ncount = 2': 'gains.mode: a word; kind = "choices"',
     PARAMETER + 'path = "seed"\nlow = 0\nhigh = 1\ncount = 2': "path must not be seed",
     PARAMETER + 'path = "time_scale"\nlow = 2\nhigh = 1\ncount = 2': "low must lie below high, got 2 and 1",
     PARAMETER + 'path = "time_scale"\nlow = 1\nhigh = 2': "parameters.1: count is missing; a grid needs it",
     PARAMETER + 'path = "range"\nlow = 0\nhigh = 1\ncount = 2': "there is no range; did you mean sensors.range",
     PARAMETER + 'path = "size"\nlow = -1\nhigh = 1\ncount = 2': "parameters.1: size must be positive, got -1",
-    PARAMETER + 'path = "size"\nlow = 1\nhigh = 2\ncuont = 2': "parameters.1: there is no cuont; did you mean count",
+    PARAMETER
+    + 'path = "size"\nlow = 1\nhigh = 2\ncuont = 2': "parameters.1: no key is named cuont; did you mean count",
     PARAMETER.replace("linear", "lin") + 'path = "size"': "parameters.1.kind: there is no lin; did you mean linear",
     PARAMETER.replace("linear", "choices") + 'path = "gains.mode"\nvalues = [1.0]': 'kind = "list" takes numbers',
     'metrics = ["mu"]\nversion = 2': "version: must be 1, got 2",
     'metrics = ["mu]\n': "the line ends within a text (at line",
+    PARAMETER + 'path = "vehicle.tilt"\nlow = 0\nhigh = 1\ncount = 2': "states none; write a value into its file",
+    PARAMETER.replace("linear", "choices")
+    + 'path = "gains.mode"\nvalues = ["constnt"]': "there is no constnt; did you",
+    PARAMETER.replace("linear", "choices") + 'path = "gains.riccati.q"\nvalues = ["a"]': 'a number; kind = "list"',
+    'metrics = ["mu"]\npreset = "paper-slow"': "no key is named preset; did you mean presets",
+    'metrics = ["mu"]\npresets = ["mine"]': 'to use the file beside this one, write "mine.toml"',
     PARAMETER + 'path = "size"\nname = "runs"\nlow = 1\nhigh = 2\ncount = 2': "name must not be runs",
 }
 
@@ -126,11 +134,51 @@ BROKEN |= {
 @pytest.mark.parametrize("text", BROKEN)
 def test_what_does_not_fit_in_a_file_is_refused_with_file_field_and_rule(text: str, tmp_path: Path):
     presets = "" if "presets" in text else 'presets = ["paper-slow"]\n'
+    (tmp_path / "mine.toml").touch()
     (tmp_path / "broken.toml").write_text(f'title = "x"\n{presets}{text}')
     with pytest.raises(ValueError, match=r"^broken.toml: ") as refusal:
         study.load(tmp_path / "broken.toml")
     assert BROKEN[text] in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+def test_a_preset_in_place_of_a_study_and_a_study_in_place_of_a_preset_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    preset.save(SLOW, tmp_path / "slow.toml")
+    with pytest.raises(ValueError, match=r'slow.toml: a preset, and no study; .*presets = \["slow.toml"\]'):
+        study.load(tmp_path / "slow.toml")
+    (tmp_path / "mine.toml").write_text(study_file.dumps(of(Q).file))
+    with pytest.raises(ValueError, match=r"mine.toml: a study, and no preset"):
+        preset.load(tmp_path / "mine.toml")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=r"mine: no such study; did you mean mine.toml"):
+        study.load("mine")
+
+
+def test_what_differs_is_named_with_its_field_and_both_values():
+    other = msgspec.structs.replace(Q, count=4)
+    assert differences.between(of(Q), of(other)) == "parameters.1.count is 3 there, and 4 here"
+    gains = msgspec.structs.replace(SLOW, duration=21.0)
+    changed = study.of_file(of(Q).file, (gains,))
+    assert differences.between(of(Q), changed) == "in the preset paper-slow, duration is 20.0 there, and 21.0 here"
+
+
+def test_a_parameter_that_changes_no_metric_is_named_and_no_other():
+    matched = field_path.replaced(SLOW, {"gains.mode": "noise-matched", "duration": 4.0, "requirement.window": 2.0})
+    file = StudyFile(title="x", presets=("p",), parameters=(Q, ANCHOR), metrics=("steady_position",))
+    assert plan.without_effect(study.of_file(file, (matched,))) == (Q.path,)
+    constant = field_path.replaced(matched, {"gains.mode": "constant"})
+    assert plan.without_effect(study.of_file(file, (constant,))) == ()
+    never = msgspec.structs.replace(file, metrics=("settled",))  # 0 for every value, but not for want of an effect
+    assert plan.without_effect(study.of_file(never, (constant,))) == ()
+
+
+def test_a_plan_says_why_a_tail_is_invalid():
+    tail = Normal(path="sensors.noise.range", mean=0.05, deviation=0.1, count=30)
+    cost = plan.cost(of(tail))
+    assert cost.invalid > 0
+    assert "sensors.noise.range = -" in cost.reason
 
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=3), st.integers(1, 60))
