@@ -23,6 +23,8 @@ from rangenav.arguments import described, number
 
 MAX_SENTENCE = 300
 """Characters of a parser's message."""
+LONGEST_WORD = 40
+"""Characters; a longer one is cut."""
 Vec3 = tuple[float, float, float]
 Check = Callable[[str, Any], Any]
 """(name of the field, value) -> the value in the field's type, the same object where it has that type already."""
@@ -74,8 +76,9 @@ def shortened(sentence: str) -> str:
 
 
 def _words(cut: str) -> str:
-    """A text that was cut, without the word that the cut went through; a text of one word as it is."""
-    return cut.rpartition(" ")[0] or cut
+    """A text that was cut, without the word that the cut went through, unless the word is very long."""
+    head, _, word = cut.rpartition(" ")
+    return head if head and len(word) <= LONGEST_WORD else cut
 
 
 @cache

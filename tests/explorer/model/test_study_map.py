@@ -8,7 +8,7 @@ import pytest
 
 from explorer.model import study_axes, study_judgement
 from explorer.model.settings import Settings, effective
-from explorer.model.study_map import READY, Axis, Place, study_of, taken, values_at
+from explorer.model.study_map import READY, Axis, Place, metrics_with, study_of, taken, values_at
 from rangenav import analysis, field_path
 from rangenav.preset import Preset
 from rangenav.studies import maps, metrics
@@ -149,7 +149,8 @@ def test_the_map_has_the_value_that_the_page_computes_for_the_present_design():
     of = study_of(SLOW, axes, "sigma_lifted", 1, file="paper-slow")
     *_, complete = maps.coarse_to_fine(of)
     assert complete.values["sigma_lifted"][0, 0] == analysis.sampled(SLOW.preset).lifted_end.position
-    assert set(complete.values) == {row.name for row in metrics.ROWS if row.needs != "run"}
+    assert set(complete.values) == {row.name for row in metrics.ROWS if row.needs in ("analysis", "motion")}
+    assert {"observable", "sigma_lifted"} <= set(metrics_with("observable"))
 
 
 def test_every_ready_map_has_a_range_that_holds_the_present_design():
