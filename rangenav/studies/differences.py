@@ -13,8 +13,10 @@ SHORT = 60
 
 
 def between(there: Study, here: Study) -> str:
-    """What differs first between the study of a store and one from a file."""
-    first = _first(msgspec.to_builtins(there.file), msgspec.to_builtins(here.file), "")
+    """What differs first between the study of a store and one from a file, and the title if nothing else does."""
+    files: list[dict[str, Any]] = [msgspec.to_builtins(of.file) for of in (there, here)]
+    ordered = [{**{name: of[name] for name in of if name != "title"}, "title": of["title"]} for of in files]
+    first = _first(ordered[0], ordered[1], "")
     if first is not None:
         return first
     if there.names != here.names:
