@@ -50,6 +50,10 @@ FIRST = "(paper-slow)"
 """The preset of a new page."""
 AT_START = "[...document.querySelectorAll('b')].some(one => one.textContent === '0.00 s')"
 """Whether the playhead stands at the beginning."""
+FIRST_PLOTS = "Errors"
+PLOTS_IN_FRONT = f"""[...document.querySelectorAll('[role=tab][aria-selected=true]')]
+    .some(tab => tab.textContent.trim() === '{FIRST_PLOTS}')"""
+"""Whether the first tab of plots is in front."""
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
@@ -210,6 +214,8 @@ class Visitor:
             self.tab(tab)
             self.page.evaluate(BLUR)
             return
+        if not self.page.evaluate(PLOTS_IN_FRONT):
+            self.tab(FIRST_PLOTS)
         self.tab("Presets")
         if FIRST in self.typed("preset"):
             self.press("start this preset again")

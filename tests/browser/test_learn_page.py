@@ -76,7 +76,7 @@ def test_the_worksheet_is_two_pages_of_paper(browser: Browser):
 
 def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: Browser, tmp_path):
     path = tmp_path / "lesson.html"
-    path.write_bytes(handout(LESSON.start.settings, ["gains.attitude.k1"], lesson=LESSON))
+    path.write_bytes(handout(LESSON.start.settings, ["gains.riccati.q"], lesson=LESSON))
     context, complaints = browser.new_context(viewport={"width": 400, "height": 800}, offline=True), []
     page = context.new_page()
     page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -93,8 +93,9 @@ def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: 
     assert re.fullmatch(r"\d+\.\d\d s", now)
     page.locator("#play").click()
     page.wait_for_function("now => document.getElementById('now').textContent !== now", arg=now)
-    offset = page.locator("#offset").inner_text()
     page.locator("#play").click()
+    page.locator("#time").fill("120")
+    offset = page.locator("#offset").inner_text()
     page.locator("#sliders input").fill("0")
     page.wait_for_function("before => document.getElementById('offset').textContent !== before", arg=offset)
     assert re.search(
