@@ -31,7 +31,7 @@ from rangenav.studies.study_file import StudyFile
 
 WORKERS = 2
 POINTS, RUNS = 1000, 40
-"""40,000 runs of 5 ms: 200 s of work, in parts of some five seconds."""
+"""40,000 runs of 3 ms: 125 s of work, in parts of some three seconds."""
 FEWER = 300
 """Points for one worker, in parts of the same size."""
 PEER_RUNS = 400
