@@ -20,7 +20,7 @@ from rangenav.results import result
 from rangenav.signals import Signal
 
 WINDOWS = 101
-"""Start times at which spectra are computed: enough for a smooth curve; 101 windows of 13 columns take 5 ms."""
+"""Start times at which spectra are computed: enough for a smooth curve."""
 FINER = 4
 """Start times for the worst excitation for each of these: it is far cheaper than a Gramian."""
 DISTANCES = 2001
@@ -60,7 +60,7 @@ class MotionAnalysis:
 
     @cached_property
     def spectrum(self) -> Spectrum:
-        """Of every window. Only plots need it; it takes three times as long as the part that the verdict needs."""
+        """Of every window. Only plots need it."""
         return spectrum.of_remainders(self.remainders, rounding=self.rounding)
 
 
@@ -173,11 +173,14 @@ def path_samples(path: Signal, duration: float, window: float, count: int = WIND
 
 @lru_cache(maxsize=CACHED)
 def motion_analysis(
-    path: Signal, gravity: Vec3, duration: float, window: float, count: int = WINDOWS
+    path: Signal, gravity: Vec3, duration: float, window: float, count: int = WINDOWS, *, compiled: bool = False
 ) -> MotionAnalysis:
-    """Excitation, Gramian and blind directions of so many windows, which depend on path, gravity and window only."""
+    """Excitation, Gramian and blind directions of so many windows, which depend on path, gravity and window only.
+
+    compiled: see `gramian_rank.of`.
+    """
     samples = path_samples(path, duration, window, count)
-    start, of = samples.start, gramian_rank.of(samples, gravity, samples.weight, "start")
+    start, of = samples.start, gramian_rank.of(samples, gravity, samples.weight, "start", compiled=compiled)
     k = worst_window.of_remainders(of)
     worst = spectrum.of_remainders(of.some(np.array([k])), rounding=samples.rounding)
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINER * (count - 1) + 1), window)
@@ -220,11 +223,18 @@ def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:
 
 
 def sampled_windows(
-    path: Signal, world: World, duration: float, window: float, ranges: Ranges, count: int = WINDOWS
+    path: Signal,
+    world: World,
+    duration: float,
+    window: float,
+    ranges: Ranges,
+    count: int = WINDOWS,
+    *,
+    compiled: bool = False,
 ) -> Windows:
-    """The sampled windows (s) of a flight, with the accuracy that its ranges allow."""
+    """The sampled windows (s) of a flight, with the accuracy that its ranges allow. compiled: see `gramian_rank.of`."""
     lifted, samples = (
-        motion_analysis(path, world.gravity, duration, window, count),
+        motion_analysis(path, world.gravity, duration, window, count, compiled=compiled),
         path_samples(path, duration, window, count),
     )
     return Windows(
@@ -233,11 +243,16 @@ def sampled_windows(
         duration=duration,
         start=lifted.start,
         window=window,
-        sigma_lifted=_end_position(samples, world, ranges, "lifted"),
+        sigma_lifted=_end_position(samples, world, ranges, "lifted", compiled=compiled),
         ranges=ranges,
         lifted=lifted,
     )
 
 
-def _end_position(samples: PathSamples, world: World, ranges: Ranges, kind: accuracy.Problem) -> Float[Array, "w"]:
-    return accuracy.along(samples, world, sigma=ranges.sigma, rate=ranges.rate, kind=kind, share=ranges.share)[:, 0]
+def _end_position(
+    samples: PathSamples, world: World, ranges: Ranges, kind: accuracy.Problem, *, compiled: bool = False
+) -> Float[Array, "w"]:
+    sigmas = accuracy.along(
+        samples, world, sigma=ranges.sigma, rate=ranges.rate, kind=kind, share=ranges.share, compiled=compiled
+    )
+    return sigmas[:, 0]

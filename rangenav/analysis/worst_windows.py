@@ -34,7 +34,7 @@ def analyse(preset: Preset) -> Analysis:
 
 def sampled(preset: Preset, windows: int = WINDOWS) -> Analysis:
     """Analyse a preset over its own window: the worst of so many windows, evenly spaced over the flight."""
-    return analysis(*arguments(preset), preset.source, windows)
+    return analysis(*arguments(preset), preset.source, windows, compiled=True)
 
 
 @lru_cache(maxsize=CACHED)
@@ -48,15 +48,17 @@ def analysis(
     arriving: float = 1.0,
     source: Source | None = None,
     count: int = WINDOWS,
+    *,
+    compiled: bool = False,
 ) -> Analysis:
     """The analysis by sampled windows. What depends on neither anchor nor noise comes from `motion_analysis`.
 
     `arriving` is the share of ranges that random drop-outs leave. `source` is the file that the path was imported from.
-    count: of the windows.
+    count: of the windows. compiled: by compiled code, whose loading is worth it for a program that judges many motions.
     """
     window = requirement.window
     ranges = Ranges(sigma=range_sigma, rate=range_rate, share=arriving)
-    windows = sampled_windows(path, world, duration, window, ranges, count)
+    windows = sampled_windows(path, world, duration, window, ranges, count, compiled=compiled)
     lifted, k, worst = windows.lifted, windows.lifted.worst, windows.lifted.worst_spectrum
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)

@@ -13,7 +13,7 @@ def compile_all(progress: Callable[[float, str], None]) -> None:
 
 
 def compile_estimators(progress: Callable[[float, str], None]) -> None:
-    """The same for the extended Kalman filter and the smoother, which no first picture waits for."""
+    """The same for the extended Kalman filter, the smoother and many windows, which no first picture waits for."""
     _compile(_estimators, progress)
 
 
@@ -27,7 +27,7 @@ def _compile(named: Callable[[], list[tuple[str, Stage]]], progress: Callable[[f
 
 
 def _stages() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import attitude, cascade, errors, riccati, rotation
+    from rangenav.kernels import attitude, cascade, errors, gramian_spectra, riccati, rotation
     from rangenav.kernels.layout import LENGTH, Parameters, views
 
     p = Parameters(
@@ -74,11 +74,18 @@ def _stages() -> list[tuple[str, Stage]]:
         ),
         ("errors", lambda: errors.norms(np.zeros((1, 13)), np.zeros((1, 13)), np.empty((1, 3)))),
         ("angles", lambda: errors.angles(np.tile(matrix, (1, 1, 1, 1)), matrix[None], np.empty((1, 1)))),
+        (
+            "Gramian spectra",
+            lambda: gramian_spectra.run(
+                np.eye(13)[None], np.zeros((1, 12)), np.eye(13), np.zeros((12, 36)), np.ones(13), False,
+                np.empty((1, 13)), np.empty(1, dtype=bool),
+            ),
+        ),
     ]  # fmt: skip
 
 
 def _estimators() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import ekf, error_dynamics, smoother
+    from rangenav.kernels import ekf, error_dynamics, remainder_rows, smoother
     from rangenav.kernels.layout import Strapdown
 
     known = Strapdown(
@@ -115,6 +122,17 @@ def _estimators() -> list[tuple[str, Stage]]:
                 np.eye(13).ravel(),
                 np.empty((2, 169)),
                 np.empty((1, 169)),
+            ),
+        ),
+        (
+            "rows of many windows",
+            lambda: remainder_rows.run(
+                np.zeros((1, 3, 2)),
+                np.zeros((1, 6, 2)),
+                np.zeros((1, 2)),
+                np.zeros((1, 21)),
+                np.empty((1, 13, 13)),
+                np.empty((1, 9, 9)),
             ),
         ),
         ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),

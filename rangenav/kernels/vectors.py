@@ -128,6 +128,7 @@ for names, code in (
         _defined(name, 2, _instruction(code))
 _defined(operator.neg, 1, _instruction("fneg"))
 _defined(operator.lt, 2, _comparison("<"), Mask)
+_defined(operator.gt, 2, _comparison(">"), Mask)
 _defined(np.sqrt, 1, _whole("llvm.sqrt"))
 _defined(abs, 1, _whole("llvm.fabs"))
 _defined(np.exp, 1, _by_lane("llvm.exp"))

@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.observability import gramian_rank, pseudoinverse
+from rangenav.observability import pseudoinverse
+from rangenav.observability.coordinates import STATES
 from rangenav.observability.cubic_fit import CUBIC
 from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, RANK_TOLERANCE
@@ -21,8 +22,8 @@ BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
 def of_remainders(of: Remainders) -> Float[Array, "w 3"]:
     """Norms of the rows of M⁻¹R⁻¹ in each block; NaN where the null space reaches into the block."""
     result = row_norms(of, pseudoinverse.of_remainders(of))
-    blind = pseudoinverse.unseen(of, np.ones(gramian_rank.STATES))
-    low = np.flatnonzero(of.rank < gramian_rank.STATES)
+    blind = pseudoinverse.unseen(of, np.ones(STATES))
+    low = np.flatnonzero(of.rank < STATES)
     unseen = pseudoinverse.unseen_unknowns(blind[low])
     reach = np.stack([np.linalg.norm(unseen[:, block], axis=1).max(axis=1) for block in BLOCKS], axis=1)
     result[low] = np.where(reach > NULL_SHARE, np.nan, result[low])

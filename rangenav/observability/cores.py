@@ -27,8 +27,9 @@ from rangenav.observability import (
     rows,
     spectrum,
 )
+from rangenav.observability.coordinates import STATES, UNKNOWNS
 from rangenav.observability.cubic_fit import CUBIC
-from rangenav.observability.gramian_rank import ROUNDING, SMALLEST, STATES, UNKNOWNS, Remainders
+from rangenav.observability.gramian_rank import ROUNDING, SMALLEST, Remainders
 from rangenav.progress import stop_if_unwanted
 from rangenav.signals import Signal
 

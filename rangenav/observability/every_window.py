@@ -14,8 +14,8 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
 from rangenav.observability import cores, gramian_rank, quadrature_bound, rows, windows
+from rangenav.observability.coordinates import STATES
 from rangenav.observability.cores import Flight, Stretches
-from rangenav.observability.gramian_rank import STATES
 from rangenav.progress import stop_if_unwanted
 from rangenav.results import result
 from rangenav.signals import Signal, knots

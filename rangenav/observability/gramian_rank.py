@@ -2,38 +2,32 @@
 
 With u = 2τ/δ − 1 in [−1, 1], P = p − Σ₀³ Cₖ Lₖ(u) is the path less its cubic fit. D = P + Σ₀³ Kₖ Lₖ(u), K known, and
     [L₀ … L₃ | Pᵢ, u Pᵢ + k₄ᵢ L₄, u² Pᵢ + d₄ᵢ L₄ + d₅ᵢ L₅] M = [1, τ, τ²/2, τ³/6, Dᵢ, τDᵢ, ½τ²Dᵢ]
-k₄, d₄, d₅ are the coefficients of L₄ and L₅ in uD and u²D. M is block triangular with constant blocks, so it can be
-inverted for every K, and the rank is 4 plus the rank of the last nine columns less their cubic fits: the remainders.
-−½gτ² is in K alone. In D itself, 441 km of it over 300 s hide a motion of metres.
+k₄, d₄, d₅ are the coefficients of L₄ and L₅ in uD and u²D. M (see `coordinates`) can be inverted for every K, so the
+rank is 4 plus the rank of the last nine columns less their cubic fits: the remainders. −½gτ² is in K alone. In D
+itself, 441 km of it over 300 s hide a motion of metres.
 
 A remainder carries the rounding of its column before projection, which is the column's floor. A remainder below its
 floor is zero. Singular values are taken of the remainders in units of their floors: those above 1 count.
 """
 
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.observability import cubic_fit, rows
+from rangenav.observability import coordinates, cubic_fit, rows
+from rangenav.observability.coordinates import STATES, TIMES_U, TIMES_U_TWICE, UNKNOWNS, Coordinates
 from rangenav.observability.cubic_fit import CUBIC, CubicFit
 from rangenav.observability.rows import Moment, PathSamples
 from rangenav.results import result
 
-UNKNOWNS = 9
-"""The other coordinates: position, velocity, gravity."""
-STATES = CUBIC + UNKNOWNS
 ROUNDING = 4 * np.finfo(float).eps
 """A column's floor in units of its size. Degenerate motions over .2 to 600 s leave a tenth of it at most."""
 SMALLEST = 1e-30
 """m: the size of a path that rests at its origin, so that its floors are not zero."""
-TIMES_U = np.diag([(k + 1) / (2 * k + 1) for k in range(CUBIC + 1)], -1)
-TIMES_U += np.diag([k / (2 * k + 1) for k in range(1, CUBIC + 2)], 1)
-"""u Lₖ = ((k + 1) Lₖ₊₁ + k Lₖ₋₁)/(2k + 1), on coefficients of L₀ … L₅."""
-TIMES_U_TWICE = (TIMES_U @ TIMES_U)[:, :CUBIC]
 
 
 @result
@@ -51,10 +45,18 @@ class Remainders:
     moment: Moment
     """When the states are: at the windows' starts or ends."""
     window: float
+    inverse: Float[Array, "w 9 9"] | None = None
+    """Of the remainders' triangle, not finite where it has none; None where nobody has computed it."""
 
     def some(self, chosen: Array) -> "Remainders":
         """Those of the chosen windows: indices, or a mask."""
-        return replace(self, triangle=self.triangle[chosen], floor=self.floor[chosen], departure=self.departure[chosen])
+        return replace(
+            self,
+            triangle=self.triangle[chosen],
+            floor=self.floor[chosen],
+            departure=self.departure[chosen],
+            inverse=None if self.inverse is None else self.inverse[chosen],
+        )
 
     @cached_property
     def decomposition(self) -> tuple[Float[Array, "w 9 9"], Float[Array, "w 9"], Float[Array, "w 9 9"]]:
@@ -69,34 +71,30 @@ class Remainders:
     @cached_property
     def states(self) -> Float[Array, "w 13 13"]:
         """M⁻¹: the 13 coordinates in units of 1 m and δ, inertial axes, from those of these columns."""
-        _, scalars, unpowered = _constants(1.0 if self.moment == "start" else -1.0)
-        inverse = np.zeros((len(self.triangle), STATES, STATES))
-        inverse[:, :CUBIC, :CUBIC], inverse[:, CUBIC:, CUBIC:] = scalars, self.unknown_states
-        inverse[:, :CUBIC, CUBIC:] = -scalars @ self._of_unknowns @ unpowered
-        return inverse
-
-    @property
-    def _of_unknowns(self) -> Float[Array, "w 4 9"]:
-        """What D, τD and ½τ²D hold of the four polynomials."""
-        shift, _, _ = _constants(1.0 if self.moment == "start" else -1.0)
-        K = np.zeros((len(self.triangle), CUBIC + 2, 3))
-        K[:, :CUBIC] = self.departure
-        return np.concatenate([K, shift @ K, shift @ shift @ K / 2], axis=2)[:, :CUBIC]
+        return self._with(self.coordinates.states, self.coordinates.states_of_departure)
 
     @property
     def unknown_states(self) -> Float[Array, "9 9"]:
         """The block of M⁻¹ for position, velocity and gravity: it has no K, so their errors are the remainders'."""
-        return _unknown_states(1.0 if self.moment == "start" else -1.0, self.turn.tobytes())
+        return self.coordinates.states[CUBIC:, CUBIC:]
 
     @cached_property
     def columns(self) -> Float[Array, "w 13 13"]:
         """M: these columns' coordinates from the 13."""
-        _, scalars, unpowered = _constants(1.0 if self.moment == "start" else -1.0)
-        unknowns = np.linalg.inv(self.unknown_states)
-        columns = np.zeros((len(self.triangle), STATES, STATES))
-        columns[:, :CUBIC, :CUBIC], columns[:, CUBIC:, CUBIC:] = np.linalg.inv(scalars), unknowns
-        columns[:, :CUBIC, CUBIC:] = self._of_unknowns @ (unpowered @ unknowns)
-        return columns
+        return self._with(self.coordinates.columns, self.coordinates.columns_of_departure)
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """What M and M⁻¹ have in common in all windows."""
+        return coordinates.of(self.moment, self.turn)
+
+    def _with(self, constant: Float[Array, "13 13"], of_departure: Float[Array, "12 36"]) -> Float[Array, "w 13 13"]:
+        """A matrix for each window whose block of the polynomials by the unknowns is linear in K."""
+        result = np.empty((len(self.triangle), STATES, STATES))
+        result[:] = constant
+        block = self.departure.reshape(-1, 3 * CUBIC) @ of_departure
+        result[:, :CUBIC, CUBIC:] = block.reshape(-1, CUBIC, UNKNOWNS)
+        return result
 
     @cached_property
     def regular(self) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
@@ -113,16 +111,38 @@ class Remainders:
         return rank
 
 
-def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment: Moment) -> Remainders:
-    """The remainders of windows whose samples are known, with these weights of their rows."""
+def of(
+    samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment: Moment, *, compiled: bool = False
+) -> Remainders:
+    """The remainders of windows whose samples are known, with these weights of their rows.
+
+    compiled: by compiled code, with the inverses. It takes a fifth of the time, but more than half a second to load.
+    """
     turn, fall = _turn(gravity)
     turned = _turned(samples, turn)
     fit = cubic_fit.of(turned)
+    if compiled:
+        R, inverse = _compiled(turned, fit, weight, fall)
+        return replace(_with_departure(turned, fit.cubic, R, weight, turn, fall, moment), inverse=inverse)
     made = ((inside, _columns(some, fit.some(inside), fall)) for inside, some in rows.parts(turned))
     R = rows.factors(turned, weight, made)
     if R.shape[1] < STATES:  # fewer rows than columns: rows of zeros tell nothing
         R = np.pad(R, ((0, 0), (0, STATES - R.shape[1]), (0, 0)))
     return _with_departure(turned, fit.cubic, R, weight, turn, fall, moment)
+
+
+def _compiled(
+    samples: PathSamples, fit: CubicFit, weight: Float[Array, "v k"], fall: float
+) -> tuple[Float[Array, "w 13 13"], Float[Array, "w 9 9"]]:
+    """R of the weighted columns of each window, and the inverse of its remainders' triangle."""
+    from rangenav.kernels import remainder_rows as kernel
+
+    k4, high = _high(fit.cubic, fall, samples.window)
+    w = len(samples.start)
+    known = np.concatenate([part.reshape(w, -1) for part in (fit.cubic, k4, high)], axis=1)
+    R, inverse = np.empty((w, STATES, STATES)), np.empty((w, UNKNOWNS, UNKNOWNS))
+    kernel.run(samples.curved, fit.polynomials, np.sqrt(weight), known, R, inverse)
+    return R, inverse
 
 
 def at_other_end(of: Remainders, samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"]) -> Remainders:
@@ -158,35 +178,11 @@ def regular(of: Remainders) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
     singular value decomposition.
     """
     triangle = of.triangle[:, CUBIC:, CUBIC:]
-    counts = (np.abs(np.diagonal(triangle, axis1=1, axis2=2)) > of.floor).all(axis=1)
+    counts = np.all(np.abs(np.diagonal(triangle, axis1=1, axis2=2)) > of.floor, axis=1)
     inverses = np.zeros_like(triangle)
-    inverses[counts] = np.linalg.inv(triangle[counts])
+    inverses[counts] = np.linalg.inv(triangle[counts]) if of.inverse is None else of.inverse[counts]
     counts &= np.linalg.norm(of.floor[..., None] * inverses, axis=(1, 2)) < 1.0
     return inverses, counts
-
-
-@lru_cache(maxsize=2)
-def _constants(s: float) -> tuple[Float[Array, "6 6"], Float[Array, "4 4"], Float[Array, "9 9"]]:
-    """What M⁻¹ has of no window: the matrix of τ/δ, the block of the polynomials, and the powers of u, inverted."""
-    shift = (TIMES_U + s * np.eye(CUBIC + 2)) / 2
-    powers = [np.eye(CUBIC + 2)[0]]
-    for k in (1, 2, 3):
-        powers.append(shift @ powers[-1] / k)
-    scalars = np.linalg.inv(np.stack(powers, axis=1)[:CUBIC])
-    return shift, scalars, np.linalg.inv(np.kron(_powers(s), np.eye(3)))
-
-
-@lru_cache(maxsize=16)
-def _unknown_states(s: float, turn: bytes) -> Float[Array, "9 9"]:
-    """The block of M⁻¹ that only the turn of the axes and the moment of the states determine."""
-    inverse = np.linalg.inv(np.kron(_powers(s), np.frombuffer(turn).reshape(3, 3)))
-    inverse.flags.writeable = False
-    return inverse
-
-
-def _powers(s: float) -> Float[Array, "3 3"]:
-    """1, τ/δ and ½(τ/δ)² in powers of u: τ/δ = (u + s)/2."""
-    return np.array([[1.0, s / 2, s * s / 8], [0.0, 0.5, s / 4], [0.0, 0.0, 0.125]])
 
 
 def _turn(gravity: Vec3) -> tuple[Float[Array, "3 3"], float]:
@@ -229,13 +225,21 @@ def _times_u_twice(coefficients: Float[Array, "w 4 3"]) -> Float[Array, "w 6 3"]
 
 def _columns(samples: PathSamples, fit: CubicFit, fall: float) -> Float[Array, "w k 13"]:
     """[L₀ … L₃ | P, uP + k₄L₄, u²P + d₄L₄ + d₅L₅]; L₄ and L₅ are the same at the windows' starts and ends."""
-    polynomials, K = fit.polynomials, fit.cubic.copy()
+    polynomials = fit.polynomials
     u = polynomials[:, 1]
-    P = samples.curved - K.swapaxes(1, 2) @ polynomials[:, :CUBIC]
-    K[:, 2, 2] -= fall / 12 * samples.window**2
-    k4, high = TIMES_U[CUBIC, CUBIC - 1] * K[:, 3], _times_u_twice(K)[:, CUBIC:]
+    P = samples.curved - fit.cubic.swapaxes(1, 2) @ polynomials[:, :CUBIC]
+    k4, high = _high(fit.cubic, fall, samples.window)
     columns = np.empty((len(P), STATES, P.shape[-1]))
     columns[:, :CUBIC], columns[:, 4:7] = polynomials[:, :CUBIC], P
     columns[:, 7:10] = u[:, None] * P + k4[..., None] * polynomials[:, None, CUBIC]
     columns[:, 10:13] = (u**2)[:, None] * P + high.swapaxes(1, 2) @ polynomials[:, CUBIC:]
     return columns.swapaxes(1, 2)
+
+
+def _high(
+    cubic: Float[Array, "w 4 3"], fall: float, window: float
+) -> tuple[Float[Array, "w 3"], Float[Array, "w 2 3"]]:
+    """k₄; d₄ and d₅."""
+    K = cubic.copy()
+    K[:, 2, 2] -= fall / 12 * window**2
+    return TIMES_U[CUBIC, CUBIC - 1] * K[:, 3], _times_u_twice(K)[:, CUBIC:]

@@ -8,8 +8,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.observability.coordinates import STATES
 from rangenav.observability.cubic_fit import CUBIC
-from rangenav.observability.gramian_rank import STATES, Remainders
+from rangenav.observability.gramian_rank import Remainders
 
 UNSEEN = 1e-13
 """The least share of position, velocity and gravity in a unit vector of a null space, above its rounding."""

@@ -12,8 +12,9 @@ import math
 import numpy as np
 
 from rangenav.observability import quadrature
+from rangenav.observability.coordinates import STATES
 from rangenav.observability.cubic_fit import CUBIC
-from rangenav.observability.gramian_rank import ROUNDING, STATES
+from rangenav.observability.gramian_rank import ROUNDING
 from rangenav.signals import Signal, curved_part
 
 SPARE = 20

@@ -13,8 +13,9 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
+from rangenav.observability.coordinates import UNKNOWNS
 from rangenav.observability.cubic_fit import CUBIC
-from rangenav.observability.gramian_rank import ROUNDING, UNKNOWNS
+from rangenav.observability.gramian_rank import ROUNDING
 
 
 def columns(

@@ -36,7 +36,7 @@ def sizes(
     ends: of the windows, s; velocity: there. Tones have their offset apart, so it rounds nothing; polynomials are
     computed with it.
     """
-    largest = np.sqrt(np.sum(curved**2, axis=1)).max(axis=1)
+    largest = np.sqrt(np.einsum("wik,wik->wk", curved, curved).max(axis=1))
     speed = np.maximum(np.abs(velocity).max(axis=(0, 2)), 2 * np.ptp(curved, axis=2).max(axis=1) / (ends[1] - ends[0]))
     size = np.maximum(largest + speed * np.abs(ends).max(axis=0), _measured(path, ends))
     return size + np.sqrt(np.sum(position**2, axis=1)).max(axis=1) if knots.has_pieces(path) else size
@@ -65,8 +65,8 @@ def _measured(path: Signal, ends: Float[Array, "2 w"]) -> Float[Array, "w"]:
     curve, time = curved_part(path), ends[0, :, None] + (ends[1] - ends[0])[:, None] * SHARES
     fastest = path.bandwidth_until(float(ends.max()))
     step = np.maximum(TURN / fastest if fastest > 0 else 0.0, np.spacing(np.abs(time)))
-    difference = curve(time + step) - 2 * curve(time) + curve(time - step)
-    return np.abs(difference).max(axis=(1, 2)) / np.finfo(float).eps
+    after, here, before = curve(np.stack([time + step, time, time - step]))
+    return np.abs(after - 2 * here + before).max(axis=(1, 2)) / np.finfo(float).eps
 
 
 def of_rows(path: Signal, start: Float[Array, "w"], window: float) -> float:

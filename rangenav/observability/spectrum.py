@@ -14,7 +14,7 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
 from rangenav.model import STATES
-from rangenav.observability import gramian_rank, pseudoinverse, rows, windows
+from rangenav.observability import gramian_rank, pseudoinverse, rows, singular_values, windows
 from rangenav.observability.cubic_fit import CUBIC
 from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.rows import PathSamples
@@ -85,26 +85,15 @@ class LiftedSpectrum:
         return pseudoinverse.unseen(self.remainders, np.ones(STATES))
 
     @cached_property
-    def _forward(self) -> Float[Array, "w 13 13"]:
-        return self.remainders.triangle @ self.remainders.columns
-
-    @cached_property
-    def _inverse(self) -> Float[Array, "w 13 13"]:
-        return pseudoinverse.of_rows(self.remainders)
-
-    @cached_property
     def _in_units(self) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
-        direct = np.linalg.svd(self._forward, compute_uv=False)
-        small = pseudoinverse.singular_values(self._inverse, self.unseen)
+        direct, small = singular_values.of_rows(self.remainders, np.ones(STATES))
         return _resolved(direct, small, tolerance(direct, self.rounding), self.remainders)
 
     @cached_property
     def _in_si(self) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
-        of = self.remainders
-        units = of.window ** LIFTED_TIME_POWERS.astype(float)
-        direct = np.linalg.svd(self._forward * units, compute_uv=False)
-        small = pseudoinverse.singular_values(self._inverse / units[:, None], pseudoinverse.unseen(of, units))
-        return _resolved(direct, small, _floor(direct, of.window, self.rounding), of)
+        window = self.remainders.window
+        direct, small = singular_values.of_rows(self.remainders, window ** LIFTED_TIME_POWERS.astype(float))
+        return _resolved(direct, small, _floor(direct, window, self.rounding), self.remainders)
 
 
 Spectrum = TriangleSpectrum | LiftedSpectrum
@@ -136,7 +125,9 @@ def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], windo
 
 def lifted_spectra(samples: PathSamples, gravity: Vec3) -> Spectrum:
     """Spectra of the 13-state lifted Gramian of windows whose samples are known."""
-    return of_remainders(gramian_rank.of(samples, gravity, samples.weight, "start"), rounding=samples.rounding)
+    many = len(samples.start) >= singular_values.MANY
+    of = gramian_rank.of(samples, gravity, samples.weight, "start", compiled=many)
+    return of_remainders(of, rounding=samples.rounding)
 
 
 def local_spectra(samples: PathSamples, anchor: Vec3) -> Spectrum:

@@ -71,13 +71,14 @@ class Multisine(SignalBase, frozen=True, kw_only=True, tag="multisine", tag_fiel
         """The derivative of the given order at times t (s), in the signal's unit per s**order."""
         t = np.asarray(t, dtype=float)
         value = np.zeros((*t.shape, 3))
-        if order == 0:
+        if order == 0 and any(self.offset + self.drift):
             value += np.asarray(self.offset) + t[..., None] * np.asarray(self.drift)
-        elif order == 1:
+        elif order == 1 and any(self.drift):
             value += np.asarray(self.drift)
         for tone in self.tones:
             sine = np.sin(tone.frequency * t + (tone.phase + order * math.pi / 2))
-            value[..., AXES[tone.axis]] += tone.amplitude * tone.frequency**order * sine
+            sine *= tone.amplitude * tone.frequency**order
+            value[..., AXES[tone.axis]] += sine
         return value
 
     @property
