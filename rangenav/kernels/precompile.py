@@ -13,7 +13,7 @@ def compile_all(progress: Callable[[float, str], None]) -> None:
 
 
 def compile_estimators(progress: Callable[[float, str], None]) -> None:
-    """The same for the extended Kalman filter, the smoother and many windows, which no first picture waits for."""
+    """The same for what no first picture waits for: other estimators, a single sample, many attitudes."""
     _compile(_estimators, progress)
 
 
@@ -26,21 +26,27 @@ def _compile(named: Callable[[], list[tuple[str, Stage]]], progress: Callable[[f
     progress(1.0, "ready")
 
 
-def _stages() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import attitude, cascade, errors, gramian_spectra, riccati, rotation
-    from rangenav.kernels.layout import LENGTH, Parameters, views
+def _parameters() -> np.ndarray:
+    from rangenav.kernels.layout import Parameters
 
-    p = Parameters(
+    return Parameters(
         gravity=(0.0, 0.0, 9.81), magnetic=(1.0, 0.0, 0.0), b4=1.0, variance=1.0, v=(1.0, 1.0, 1.0, 1.0),
         p0=(1.0, 1.0, 1.0, 1.0), k1=1.0,
         rho1=1.0, rho2=1.0, scheduled=True, k1_steady=1.0, halfway=1.0, memory=1.0, symmetric=True, matched=False,
         range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
     ).packed()  # fmt: skip
+
+
+def _stages() -> list[tuple[str, Stage]]:
+    from rangenav.kernels import attitude, cascade, errors, gramian_spectra, remainder_rows, riccati, rotation
+    from rangenav.kernels.layout import LENGTH, views
+
+    p = _parameters()
     s, matrix, three = np.zeros(LENGTH), np.eye(3), (0.0, 0.0, 9.81)
     arrays = views(s)
     arrays.P[::14], arrays.turned[:], arrays.rotation[:] = 1.0, matrix, matrix
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
-    r, one, pairs = rotation.load(matrix), np.ones(1), np.empty((2, 2))
+    r, pairs = rotation.load(matrix), np.empty((2, 2))
     known = attitude.unpacked(p)
     return [
         ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), r))),
@@ -49,7 +55,6 @@ def _stages() -> list[tuple[str, Stage]]:
         ("Riccati correction", lambda: riccati.correct(arrays.x, arrays.P, 1.0, 1.0)),
         ("first sample", lambda: cascade.begin(s, 1.0, p)),
         ("one step", lambda: cascade.advance(s, 1e-3, three, three, three, time, ranges, 1, 2, pairs, known)),
-        ("one sample", lambda: cascade.compiled_step()(s, 2e-3, rows[0], rows[0], rows[0], one * 2e-3, one, p)),
         (
             "reading the estimate",
             lambda: (
@@ -65,15 +70,15 @@ def _stages() -> list[tuple[str, Stage]]:
                 np.empty((2, 2)), 1, p,
             ),
         ),
-        (
-            "many attitudes",
-            lambda: attitude.run(
-                time, rows, rows, rows, np.array([matrix, matrix]), matrix[None], np.empty((1, 2, 3, 3)),
-                np.empty((1, 2)), 1.0, p,
-            ),
-        ),
         ("errors", lambda: errors.norms(np.zeros((1, 13)), np.zeros((1, 13)), np.empty((1, 3)))),
         ("angles", lambda: errors.angles(np.tile(matrix, (1, 1, 1, 1)), matrix[None], np.empty((1, 1)))),
+        (
+            "rows of many windows",
+            lambda: remainder_rows.run(
+                np.zeros((1, 3, 2)), np.zeros((1, 6, 2)), np.zeros((1, 2)), np.zeros((1, 21)), np.empty((1, 13, 13)),
+                np.empty((1, 9, 9)),
+            ),
+        ),
         (
             "Gramian spectra",
             lambda: gramian_spectra.run(
@@ -85,14 +90,14 @@ def _stages() -> list[tuple[str, Stage]]:
 
 
 def _estimators() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import ekf, error_dynamics, remainder_rows, smoother
-    from rangenav.kernels.layout import Strapdown
+    from rangenav.kernels import attitude, cascade, ekf, error_dynamics, smoother
+    from rangenav.kernels.layout import LENGTH, Strapdown
 
     known = Strapdown(
         gravity=(0.0, 0.0, 9.81), across1=(0.0, 1.0, 0.0), across2=(0.0, 0.0, 1.0), range_variance=0.01,
         mag_variance=0.01, accel_density=1e-4, gyro_density=1e-6,
     )  # fmt: skip
-    matrix, nine = np.eye(3), np.zeros(9)
+    p, matrix, nine, one = _parameters(), np.eye(3), np.zeros(9), np.ones(1)
     time, rows, pairs = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.empty((2, 2))
     imu, given = (time, rows, rows), (np.ones(2), np.arange(2), np.zeros(2))
     track = (np.ones((2, 3)), np.zeros((2, 3)), np.array([matrix, matrix]))
@@ -124,16 +129,16 @@ def _estimators() -> list[tuple[str, Stage]]:
                 np.empty((1, 169)),
             ),
         ),
+        ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
         (
-            "rows of many windows",
-            lambda: remainder_rows.run(
-                np.zeros((1, 3, 2)),
-                np.zeros((1, 6, 2)),
-                np.zeros((1, 2)),
-                np.zeros((1, 21)),
-                np.empty((1, 13, 13)),
-                np.empty((1, 9, 9)),
+            "one sample",
+            lambda: cascade.compiled_step()(np.zeros(LENGTH), 2e-3, rows[0], rows[0], rows[0], one * 2e-3, one, p),
+        ),
+        (
+            "many attitudes",
+            lambda: attitude.run(
+                time, rows, rows, rows, np.array([matrix, matrix]), matrix[None], np.empty((1, 2, 3, 3)),
+                np.empty((1, 2)), 1.0, p,
             ),
         ),
-        ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
-    ]
+    ]  # fmt: skip
