@@ -11,7 +11,7 @@ from numpy import ndarray as Array
 from rangenav import model, so3
 from rangenav.arguments import array, described, finite_array, increasing_array, instance, number
 from rangenav.attitude import MISALIGNED, Schedule
-from rangenav.cascade.values import ObserverConfig, Sample, Start, State, kernel
+from rangenav.cascade.values import ObserverConfig, Sample, Start, State, kernel, sample_kernel
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import (
@@ -154,7 +154,7 @@ def step(state: State, sample: Sample) -> State:
 
 @cache
 def _step() -> Callable[..., int]:
-    return kernel().compiled_step()
+    return sample_kernel().compiled_step()
 
 
 def checked_sample(sample: Sample) -> tuple[float, Array, Array, Array, Array, Array]:

@@ -150,6 +150,14 @@ def attitude_kernel() -> ModuleType:
 
 
 @cache
+def sample_kernel() -> ModuleType:
+    """Likewise."""
+    from rangenav.kernels import one_sample as kernel
+
+    return kernel
+
+
+@cache
 def lanes_kernel() -> ModuleType:
     """Likewise."""
     from rangenav.kernels import lanes as kernel

@@ -7,8 +7,6 @@ between the samples the state stands before it, and `read` shows what half of it
 All that changes is one packed array `s`, in the places that `layout` names.
 """
 
-import threading
-
 import numpy as np
 
 from rangenav.kernels import acquisition, attitude, riccati
@@ -16,40 +14,28 @@ from rangenav.kernels import rotation as rot
 from rangenav.kernels.jit import inlined, kernel
 from rangenav.kernels.layout import (
     ACCEL_AT,
-    ACCEL_FAULT,
     ACQUISITION_AT,
     COLLECTS,
     GRAVITY_AT,
     GYRO_AT,
-    GYRO_FAULT,
     LENGTH,
     MAG_AT,
-    MAG_FAULT,
     MATCHED,
     MATCHED_V,
     MISALIGNED_AT,
-    NO_FAULT,
     P_AT,
     PENDING_AT,
     PHASE,
-    RANGE_FAULT,
-    RANGE_TIME_FAULT,
     ROTATION_AT,
-    SHAPE_FAULT,
     TIME_AT,
-    TIME_FAULT,
     TURNED_AT,
     X_AT,
 )
 
-STEP = f"int64(float64[::1], float64{6 * ', float64[::1]'})"
-"""The types of `step`."""
-ONE_AT_A_TIME = threading.Lock()
-"""Held while `step` is compiled."""
-
 
 @kernel
-def _three(flat, at):
+def three(flat, at):
+    """The vector that stands in a flat array from `at` on."""
     return flat[at], flat[at + 1], flat[at + 2]
 
 
@@ -140,8 +126,8 @@ def advance(s, t1, gyro1, accel1, mag1, range_time, distance, first, last, innov
     t0, reached = s[TIME_AT], 0.0
     interval = t1 - t0
     collects, matched = a[COLLECTS] > 0, a[PHASE] == MATCHED
-    gyro0, accel0, mag0 = _three(s, GYRO_AT), _three(s, ACCEL_AT), _three(s, MAG_AT)
-    gravity0, old = _three(s, GRAVITY_AT), rot.load_at(s, TURNED_AT)
+    gyro0, accel0, mag0 = three(s, GYRO_AT), three(s, ACCEL_AT), three(s, MAG_AT)
+    gravity0, old = three(s, GRAVITY_AT), rot.load_at(s, TURNED_AT)
     if s[PENDING_AT + 1] > 0:
         riccati.correct(x, P, s[PENDING_AT], s[PENDING_AT + 1])
     s[PENDING_AT + 1] = s[PENDING_AT + 2] = 0.0
@@ -184,52 +170,6 @@ def advance(s, t1, gyro1, accel1, mag1, range_time, distance, first, last, innov
     for i in range(3):
         s[GYRO_AT + i], s[ACCEL_AT + i], s[MAG_AT + i], s[GRAVITY_AT + i] = gyro1[i], accel1[i], new_mag[i], gravity1[i]
     s[TIME_AT] = t1
-
-
-@kernel
-def fault(t0, t1, gyro, accel, mag, range_time, distance):
-    """The first thing that is wrong with a sample: a shape, stamps out of order, or a number that is not finite."""
-    if not (len(gyro) == 3 and len(accel) == 3 and len(mag) == 3 and len(distance) == len(range_time)):
-        return SHAPE_FAULT
-    if not t1 > t0 or np.isinf(t1):
-        return TIME_FAULT
-    for i in range(3):
-        if not np.isfinite(gyro[i]):
-            return GYRO_FAULT
-        if not np.isfinite(accel[i]):
-            return ACCEL_FAULT
-        if np.isinf(mag[i]):
-            return MAG_FAULT
-    last = t0
-    for j in range(len(distance)):
-        if not np.isfinite(distance[j]):
-            return RANGE_FAULT
-        if not last < range_time[j] <= t1:
-            return RANGE_TIME_FAULT
-        last = range_time[j]
-    return NO_FAULT
-
-
-@kernel
-def step(s, t1, gyro, accel, mag, range_time, distance, packed):
-    """`advance` with all the ranges of a sample, unless the sample has a fault; returns the fault."""
-    found = fault(s[TIME_AT], t1, gyro, accel, mag, range_time, distance)
-    if found == NO_FAULT:
-        count = len(distance)
-        advance(
-            s, t1, _three(gyro, 0), _three(accel, 0), _three(mag, 0), range_time, distance, 0, count,
-            np.empty((count, 2)), attitude.unpacked(packed),
-        )  # fmt: skip
-    return found
-
-
-def compiled_step():
-    """`step` for arrays of float64 in C order alone: a call with others raises TypeError and compiles nothing."""
-    with ONE_AT_A_TIME:
-        if not step.signatures:
-            step.compile(STEP)
-            step.disable_compile()
-    return step
 
 
 @kernel

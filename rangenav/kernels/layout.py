@@ -95,7 +95,7 @@ ACQUISITION: the length."""
 that takes one array is called in a fifth of the time of one that takes ten."""
 
 NO_FAULT, TIME_FAULT, GYRO_FAULT, ACCEL_FAULT, MAG_FAULT, RANGE_FAULT, RANGE_TIME_FAULT, SHAPE_FAULT = range(8)
-"""What the kernel `cascade.step` returns: the first thing that is wrong with a sample."""
+"""What the kernel `one_sample.step` returns: the first thing that is wrong with a sample."""
 
 
 class Parameters(NamedTuple):
@@ -129,7 +129,7 @@ class Parameters(NamedTuple):
     gyro_density: float
 
     def packed(self) -> np.ndarray:
-        """All numbers one after the other, as the kernel `cascade.unpacked` reads them."""
+        """All numbers one after the other, as the kernel `attitude.unpacked` reads them."""
         nested = [value if isinstance(value, tuple) else (value,) for value in self]
         return np.array([float(number) for numbers in nested for number in numbers])
 

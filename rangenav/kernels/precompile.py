@@ -90,7 +90,7 @@ def _stages() -> list[tuple[str, Stage]]:
 
 
 def _estimators() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import attitude, cascade, ekf, error_dynamics, smoother
+    from rangenav.kernels import attitude, ekf, error_dynamics, one_sample, smoother
     from rangenav.kernels.layout import LENGTH, Strapdown
 
     known = Strapdown(
@@ -132,7 +132,7 @@ def _estimators() -> list[tuple[str, Stage]]:
         ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
         (
             "one sample",
-            lambda: cascade.compiled_step()(np.zeros(LENGTH), 2e-3, rows[0], rows[0], rows[0], one * 2e-3, one, p),
+            lambda: one_sample.compiled_step()(np.zeros(LENGTH), 2e-3, rows[0], rows[0], rows[0], one * 2e-3, one, p),
         ),
         (
             "many attitudes",
