@@ -31,9 +31,10 @@ from rangenav.kernels.layout import (
     TURNED_AT,
     X_AT,
 )
+from rangenav.kernels.vectors import shared
 
 
-@kernel
+@inlined
 def three(flat, at):
     """The vector that stands in a flat array from `at` on."""
     return flat[at], flat[at + 1], flat[at + 2]
@@ -126,8 +127,7 @@ def advance(s, t1, gyro1, accel1, mag1, range_time, distance, first, last, innov
     t0, reached = s[TIME_AT], 0.0
     interval = t1 - t0
     collects, matched = a[COLLECTS] > 0, a[PHASE] == MATCHED
-    gyro0, accel0, mag0 = three(s, GYRO_AT), three(s, ACCEL_AT), three(s, MAG_AT)
-    gravity0, old = three(s, GRAVITY_AT), rot.load_at(s, TURNED_AT)
+    gyro0, accel0, old = three(s, GYRO_AT), three(s, ACCEL_AT), rot.load_at(s, TURNED_AT)
     if s[PENDING_AT + 1] > 0:
         riccati.correct(x, P, s[PENDING_AT], s[PENDING_AT + 1])
     s[PENDING_AT + 1] = s[PENDING_AT + 2] = 0.0
@@ -155,9 +155,19 @@ def advance(s, t1, gyro1, accel1, mag1, range_time, distance, first, last, innov
         acquisition.watch(a, P, p)
     if collects:
         acquisition.start(a, x, P, p)
-    turned = rot.orthonormal(turned)
-    new_mag = mag1
-    if np.isnan(mag1[0] + mag1[1] + mag1[2]):  # no new sample: the last one, carried along by the gyro
+    turn_attitude(s, x, P, old, rot.orthonormal(turned), gyro1, accel1, mag1, interval, p)
+    s[TIME_AT] = t1
+
+
+@inlined
+def turn_attitude(s, x, P, old, turned, gyro1, accel1, mag1, interval, p):
+    """R̂ at the end of an interval, from the ĝ that the estimate shows there, and what the next interval starts from.
+
+    old and turned: the turn at both ends, tuples of nine. Without a new sample of the magnetometer the gyro carries the
+    last one along.
+    """
+    gyro0, mag0, gravity0, new_mag = three(s, GYRO_AT), three(s, MAG_AT), three(s, GRAVITY_AT), mag1
+    if np.isnan(shared(mag1[0]) + shared(mag1[1]) + shared(mag1[2])):
         mx, my, mz = rot.apply(old, mag0[0], mag0[1], mag0[2])
         new_mag = rot.apply_inverse(turned, mx, my, mz)
     step, _, _ = riccati.shown(x, P, s[PENDING_AT], s[PENDING_AT + 2])
@@ -169,7 +179,6 @@ def advance(s, t1, gyro1, accel1, mag1, range_time, distance, first, last, innov
     rot.store_at(rotation, s, ROTATION_AT)
     for i in range(3):
         s[GYRO_AT + i], s[ACCEL_AT + i], s[MAG_AT + i], s[GRAVITY_AT + i] = gyro1[i], accel1[i], new_mag[i], gravity1[i]
-    s[TIME_AT] = t1
 
 
 @kernel

@@ -14,7 +14,6 @@ from rangenav.kernels.jit import inlined, kernel
 from rangenav.kernels.layout import (
     ACCEL_AT,
     ACQUISITION_AT,
-    GRAVITY_AT,
     GYRO_AT,
     MAG_AT,
     MISALIGNED_AT,
@@ -66,9 +65,8 @@ def _advance(s, w, t0, t1, sample, range_time, ranges, first, last, innovation, 
     """`cascade.advance` of every run."""
     x, P = at(w, LANES * X_AT, LANES), at(w, LANES * P_AT, LANES)
     interval, reached = t1 - t0, 0.0
-    gyro0, accel0, mag0, gravity0 = (_three(s, GYRO_AT), _three(s, ACCEL_AT), _three(s, MAG_AT), _three(s, GRAVITY_AT))
-    gyro1, accel1, mag1 = _three(sample, 0), _three(sample, 3), _three(sample, 6)
-    old = rot.load_at(s, TURNED_AT)
+    gyro0, accel0, old = cascade.three(s, GYRO_AT), cascade.three(s, ACCEL_AT), rot.load_at(s, TURNED_AT)
+    gyro1, accel1, mag1 = cascade.three(sample, 0), cascade.three(sample, 3), cascade.three(sample, 6)
     if shared(s[PENDING_AT + 1]) > 0:
         _correct(x, P, s, s[PENDING_AT], s[PENDING_AT + 1])
     s[PENDING_AT + 1], s[PENDING_AT + 2] = 0.0, 0.0
@@ -89,25 +87,7 @@ def _advance(s, w, t0, t1, sample, range_time, ranges, first, last, innovation, 
             s[PENDING_AT], s[PENDING_AT + 1], s[PENDING_AT + 2] = y, variance, 2 * variance
         else:
             _correct(x, P, s, y, variance)
-    turned = rot.orthonormal(turned)
-    new_mag = mag1
-    if np.isnan(shared(mag1[0]) + shared(mag1[1]) + shared(mag1[2])):
-        mx, my, mz = rot.apply(old, mag0[0], mag0[1], mag0[2])
-        new_mag = rot.apply_inverse(turned, mx, my, mz)
-    step, _, _ = riccati.shown(x, P, s[PENDING_AT], s[PENDING_AT + 2])
-    gravity1 = rot.apply_inverse(turned, x[10] + P[10] * step, x[11] + P[11] * step, x[12] + P[12] * step)
-    rotation, s[MISALIGNED_AT] = attitude.step(
-        rot.load_at(s, ROTATION_AT), s[MISALIGNED_AT], gyro0, gyro1, mag0, new_mag, gravity0, gravity1, interval, p
-    )
-    rot.store_at(turned, s, TURNED_AT)
-    rot.store_at(rotation, s, ROTATION_AT)
-    for i in range(3):
-        s[GYRO_AT + i], s[ACCEL_AT + i], s[MAG_AT + i], s[GRAVITY_AT + i] = gyro1[i], accel1[i], new_mag[i], gravity1[i]
-
-
-@inlined
-def _three(s, k):
-    return s[k], s[k + 1], s[k + 2]
+    cascade.turn_attitude(s, x, P, old, rot.orthonormal(turned), gyro1, accel1, mag1, interval, p)
 
 
 @kernel
