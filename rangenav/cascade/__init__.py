@@ -6,10 +6,11 @@ gives is checked before a kernel reads it: a ValueError says in one sentence wha
 Exponentially stable is not monotone: from x̂ = 0 the position error first peaks.
 """
 
+from rangenav.cascade.many_attitudes import attitude_errors, attitudes
 from rangenav.cascade.one_sample import begin, checked_sample, checked_start, parameters, start, step
 from rangenav.cascade.side_by_side import observe_each
 from rangenav.cascade.values import Estimate, ObserverConfig, Sample, Start, State
-from rangenav.cascade.whole_record import attitude_errors, attitudes, observe, ranges_at_imu_rate
+from rangenav.cascade.whole_record import observe, ranges_at_imu_rate
 
 __all__ = [
     "Estimate",
