@@ -17,7 +17,7 @@ ARCS = (math.tan(math.pi / 16), math.tan(math.pi / 8), math.tan(3 * math.pi / 16
 """Of arctan; the numbers where one centre ends and the next begins, and the centre between them."""
 
 
-@kernel
+@inlined
 def exp(x, y, z):
     """exp([w]x) of w = (x, y, z), by Rodrigues' formula."""
     s = x * x + y * y + z * z
@@ -25,10 +25,15 @@ def exp(x, y, z):
     a = 1 + s * ((SIN[0] + s * SIN[1]) + s2 * ((SIN[2] + s * SIN[3]) + s2 * SIN[4]))
     b = 0.5 + s * ((COS[0] + s * COS[1]) + s2 * ((COS[2] + s * COS[3]) + s2 * COS[4]))
     if not mostly(everywhere(small)):
-        angle = np.sqrt(s)
-        half = np.sin(angle / 2)
-        a, b = choose(small, a, np.sin(angle) / angle), choose(small, b, 2 * half * half / s)
+        a, b = _of_large(s, small, a, b)
     return _rodrigues(x, y, z, a, b)
+
+
+@kernel
+def _of_large(s, small, a, b):
+    angle = np.sqrt(s)
+    half = np.sin(angle / 2)
+    return choose(small, a, np.sin(angle) / angle), choose(small, b, 2 * half * half / s)
 
 
 @inlined
