@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav import cascade, divergence, errors, model, motion, range_fit
@@ -263,10 +263,15 @@ def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> 
 def settled_of_each(time: Float[Array, "n"], errors: Float[Array, "j n"], limit: float) -> Float[Array, "j"]:
     """The same of many errors; infinite in place of None."""
     above = ~(errors < limit)[:, ::-1]
-    below = np.argmax(above, axis=1)  # samples at the end
+    below = np.where(above.any(axis=1), np.argmax(above, axis=1), len(time))  # samples at the end
+    return settled_after(time, len(time) - below)
+
+
+def settled_after(time: Float[Array, "n"], above: Int[Array, "j"]) -> Float[Array, "j"]:
+    """The same of errors that are below the limit from sample number `above` on, and not at the one before it."""
     latest = time[-1] - SETTLED_SHARE * (time[-1] - time[0])
-    since = np.where(below == 0, np.inf, time[np.minimum(len(time) - below, len(time) - 1)])
-    return np.where(above[np.arange(len(errors)), below], np.where(since <= latest, since, np.inf), time[0])
+    since = time[np.minimum(above, len(time) - 1)]
+    return np.where((above < len(time)) & (since <= latest), since, np.inf)
 
 
 def save(record: Record, path: str | Path) -> None:

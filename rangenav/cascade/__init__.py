@@ -6,19 +6,28 @@ gives is checked before a kernel reads it: a ValueError says in one sentence wha
 Exponentially stable is not monotone: from x̂ = 0 the position error first peaks.
 """
 
-from rangenav.cascade.many_attitudes import attitude_errors, attitudes
+from rangenav.cascade.many_attitudes import (
+    AttitudeInputs,
+    attitude_errors,
+    attitude_inputs,
+    attitude_settling,
+    attitudes,
+)
 from rangenav.cascade.one_sample import begin, checked_sample, checked_start, parameters, start, step
 from rangenav.cascade.side_by_side import observe_each
 from rangenav.cascade.values import Estimate, ObserverConfig, Sample, Start, State
 from rangenav.cascade.whole_record import observe, ranges_at_imu_rate
 
 __all__ = [
+    "AttitudeInputs",
     "Estimate",
     "ObserverConfig",
     "Sample",
     "Start",
     "State",
     "attitude_errors",
+    "attitude_inputs",
+    "attitude_settling",
     "attitudes",
     "begin",
     "checked_sample",

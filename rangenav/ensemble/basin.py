@@ -55,26 +55,24 @@ def basin(
     require_within("angle", angle, 0.0, np.pi + 1e-12, "rad")
     require(1 <= axes <= MAX_AXES, f"the number of axes must lie between 1 and {MAX_AXES}, got {axes}")
     refuse_work(preset, axes)
-    inputs = record.truth_inputs(preset)
-    truth, z = record.simulated(inputs), record.drawn(inputs, preset.sensors, preset.seed)
-    axis, chosen = sphere(axes), grid(len(z.time))
-    rotations = so3.exp(-angle * axis) @ truth.motion.rotation[0]
-    size = batch(len(z.time))
-    estimate, setting = shared(preset, truth, z)
+    flown = record.truth_inputs(preset)
+    truth, z = record.simulated(flown), record.measured(flown, preset.sensors, preset.seed)
+    axis, chosen, R = sphere(axes), np.zeros(len(z.time), dtype=bool), truth.motion.rotation
+    chosen[grid(len(z.time))] = True
+    rotations, size = so3.exp(-angle * axis) @ R[0], batch(len(z.time))
+    inputs = cascade.attitude_inputs(z, *shared(preset, truth, z), truth=R)
 
-    def run(first: int) -> tuple[Array, Array, Array]:
-        some, R = rotations[first : first + size], truth.motion.rotation
-        errors = cascade.attitude_errors(z, estimate, setting, rotations=some, truth=R)
-        settle = record.settled_of_each(z.time, errors, record.SETTLED_ATTITUDE)
-        return settle, errors[:, -1].copy(), errors[:, chosen]
+    def run(first: int) -> tuple[Array, Array]:
+        some = rotations[first : first + size]
+        return cascade.attitude_settling(inputs, rotations=some, chosen=chosen, limit=record.SETTLED_ATTITUDE)
 
     jobs = each(run, range(0, axes, size), samples=len(z.time), progress=progress, cancelled=cancelled)
-    settle, final, curves = (np.concatenate(parts) for parts in zip(*jobs, strict=True))
+    curves, above = (np.concatenate(parts) for parts in zip(*jobs, strict=True))
     return Basin(
         angle=angle,
         axis=axis,
-        settle=settle,
-        final=final,
+        settle=record.settled_after(z.time, above),
+        final=curves[:, -1].copy(),
         time=z.time[chosen],
         attitude=curves,
     )

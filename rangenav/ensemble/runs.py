@@ -28,7 +28,7 @@ STARTS_PER_RECORD = 64
 """Random starts that share one record of measurements and so one x̂, which does not depend on the attitude: four vectors
 of sixteen, which take as long as the record itself."""
 BATCH, TOGETHER = 130_000, 16
-"""Errors (starts × samples) kept at once, a megabyte, and the filters that the kernel runs side by side."""
+"""Steps of all filters (starts × samples) in one job, a millisecond of a core, and the filters side by side."""
 RUNS_TOGETHER = 8
 """Runs with constant gains that one thread makes side by side, fewer of long records; no result depends on it."""
 HOLD = 1.0

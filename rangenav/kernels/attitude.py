@@ -9,10 +9,14 @@ import numpy as np
 from rangenav.kernels import rotation as rot
 from rangenav.kernels.jit import inlined, kernel
 from rangenav.kernels.layout import Parameters
-from rangenav.kernels.vectors import at, mostly, shared
+from rangenav.kernels.vectors import at, choose, everywhere, mostly, shared
 
 LANES = 16
 """Filters side by side: each step waits for the step before it, so that eight would wait for a third of the time."""
+BLOCK = 32
+"""Samples whose angles are computed together: their work space fits into the first cache."""
+CERTAIN = 1e-9
+"""Where 2 cos θ is farther than this from that of a limit, it tells on which side θ is, and θ need not be computed."""
 
 
 @kernel
@@ -98,21 +102,20 @@ def _kept(h, p):
 
 
 @kernel
-def run(time, gyro, mag, gravity, truth, starts, rotations, errors, misaligned, packed):
+def run(time, gyro, mag, gravity, truth, starts, rotations, chosen, errors, limit, above, misaligned, packed):
     """One filter from each of many R̂(0), LANES side by side, over a record whose ĝ_B is known: all of them share it.
 
-    rotations[j, k] ← R̂ of filter j at sample k. errors[j, k] ← the angle (rad) of R R̂ᵀ, R = truth[k]. Either may have
-    no rows, and is then not computed. Each filter has to the last bit what `step` gives it alone.
+    rotations[j, k] ← R̂ of filter j at sample k. errors[j] ← the angles (rad) of R R̂ᵀ at the samples that are chosen,
+    R = truth[k]. above[j] ← how many samples there are up to the last whose angle is not below the limit, 0 to π.
+    Rotations, or errors and above, may have no rows, and are then not computed. Each filter has to the last bit what
+    `step` gives it alone.
     """
-    w, p = np.empty(10 * LANES), unpacked(packed)
-    lanes = at(w, 0, LANES)
+    w, p, asked = np.empty((10 + 2 * BLOCK) * LANES), unpacked(packed), np.empty((2, BLOCK), dtype=np.int64)
+    lanes, middle = at(w, 0, LANES), 2 * np.cos(limit)
     for first in range(0, len(starts), LANES):
-        count = min(LANES, len(starts) - first)
-        for c in range(LANES):
-            for i in range(9):
-                w[LANES * i + c] = starts[first + min(c, count - 1), i // 3, i % 3]
-        lanes[9] = misaligned
-        r, s = rot.load_at(lanes, 0), lanes[9]
+        some = slice(first, first + LANES)
+        _load(w, starts[some])
+        r, s, many, few, column = rot.load_at(lanes, 0), lanes[9] + misaligned, 0, 0, 0
         for k in range(len(time)):
             if k > 0:
                 r, s = step(
@@ -121,10 +124,56 @@ def run(time, gyro, mag, gravity, truth, starts, rotations, errors, misaligned, 
                 )  # fmt: skip
             if len(rotations) > 0:
                 rot.store_at(r, lanes, 0)
-                for c in range(count):
-                    for i in range(9):
-                        rotations[first + c, k, i // 3, i % 3] = w[LANES * i + c]
+                _write_rotations(w, k, rotations[some])
             if len(errors) > 0:
-                lanes[0] = rot.angle(rot.load(truth[k]), r)
-                for c in range(count):
-                    errors[first + c, k] = w[c]
+                cosine, due = rot.cosine(rot.load(truth[k]), r), chosen[k]
+                if not everywhere(cosine > middle + CERTAIN):
+                    lanes[9] = choose(middle - cosine > CERTAIN, k + 1.0, lanes[9])
+                    due = due or not everywhere(abs(cosine - middle) > CERTAIN)
+                if due:
+                    asked[0, many], asked[1, few] = k, many
+                    lanes[10 + 2 * many], lanes[11 + 2 * many] = rot.sine_square(rot.load(truth[k]), r), cosine
+                    many, few = many + 1, few + chosen[k]
+                if many == BLOCK or k == len(time) - 1:
+                    _angles(w, asked[0, :many], limit)
+                    _write(w, asked[1, :few], errors[some, column : column + few])
+                    many, few, column = 0, 0, column + few
+        for c in range(len(above[some])):
+            above[first + c] = w[LANES * 9 + c]
+
+
+@kernel
+def _load(w, starts):
+    """Nine vectors of R̂(0), the last of which fills the lanes that are left, and zero after them."""
+    for c in range(LANES):
+        for i in range(9):
+            w[LANES * i + c] = starts[min(c, len(starts) - 1), i // 3, i % 3]
+        w[LANES * 9 + c] = 0.0
+
+
+@kernel
+def _write_rotations(w, k, rotations):
+    for c in range(len(rotations)):
+        for i in range(9):
+            rotations[c, k, i // 3, i % 3] = w[LANES * i + c]
+
+
+@kernel
+def _angles(w, samples, limit):
+    """Place 10 + i ← the angles at the samples of a block, which do not wait for each other, from what stands there.
+
+    Place 9 ← one past the last of all samples whose angle is not below the limit.
+    """
+    lanes = at(w, 0, LANES)
+    above = lanes[9]
+    for i in range(len(samples)):
+        angle, after = rot.angle_at(lanes[10 + 2 * i], lanes[11 + 2 * i]), samples[i] + 1.0
+        lanes[10 + i], above = angle, choose(angle < limit, above, choose(above < after, after, above))
+    lanes[9] = above
+
+
+@kernel
+def _write(w, places, errors):
+    for c in range(len(errors)):
+        for i in range(len(places)):
+            errors[c, i] = w[LANES * (10 + places[i]) + c]

@@ -138,7 +138,7 @@ def _estimators() -> list[tuple[str, Stage]]:
             "many attitudes",
             lambda: attitude.run(
                 time, rows, rows, rows, np.array([matrix, matrix]), matrix[None], np.empty((1, 2, 3, 3)),
-                np.empty((1, 2)), 1.0, p,
+                np.ones(2, dtype=bool), np.empty((1, 2)), 1.0, np.empty(1, dtype=np.int64), 1.0, p,
             ),
         ),
     ]  # fmt: skip

@@ -48,17 +48,34 @@ def _rodrigues(x, y, z, a, b):
 
 @inlined
 def angle(r, e):
-    """The angle of r eᵀ (rad), accurate at both ends: that of a point at (2 cos θ, 2 sin θ).
+    """The angle of r eᵀ (rad), accurate at both ends."""
+    return angle_at(sine_square(r, e), cosine(r, e))
+
+
+@inlined
+def cosine(r, e):
+    """2 cos θ of the angle θ of r eᵀ."""
+    trace = r[0] * e[0] + r[1] * e[1] + r[2] * e[2] + r[3] * e[3] + r[4] * e[4] + r[5] * e[5]
+    trace += r[6] * e[6] + r[7] * e[7] + r[8] * e[8]
+    return trace - 1
+
+
+@inlined
+def sine_square(r, e):
+    """(2 sin θ)² of the same angle."""
+    x = r[6] * e[3] + r[7] * e[4] + r[8] * e[5] - (r[3] * e[6] + r[4] * e[7] + r[5] * e[8])
+    y = r[0] * e[6] + r[1] * e[7] + r[2] * e[8] - (r[6] * e[0] + r[7] * e[1] + r[8] * e[2])
+    z = r[3] * e[0] + r[4] * e[1] + r[5] * e[2] - (r[0] * e[3] + r[1] * e[4] + r[2] * e[5])
+    return x * x + y * y + z * z
+
+
+@inlined
+def angle_at(square, cosine):
+    """The angle (rad) of a point at (2 cos θ, 2 sin θ), from `sine_square` and `cosine`.
 
     tan ½θ, or cot ½θ beyond a right angle, is t ≤ 1; arctan t is that of the nearest of 0, tan π/8 and 1 and a series,
     whose first dropped term is under 1e-17. Unlike numpy's arctan2 it becomes vector code.
     """
-    x = r[6] * e[3] + r[7] * e[4] + r[8] * e[5] - (r[3] * e[6] + r[4] * e[7] + r[5] * e[8])
-    y = r[0] * e[6] + r[1] * e[7] + r[2] * e[8] - (r[6] * e[0] + r[7] * e[1] + r[8] * e[2])
-    z = r[3] * e[0] + r[4] * e[1] + r[5] * e[2] - (r[0] * e[3] + r[1] * e[4] + r[2] * e[5])
-    trace = r[0] * e[0] + r[1] * e[1] + r[2] * e[2] + r[3] * e[3] + r[4] * e[4] + r[5] * e[5]
-    trace += r[6] * e[6] + r[7] * e[7] + r[8] * e[8]
-    square, cosine = x * x + y * y + z * z, trace - 1
     far = 1 + (square + cosine * cosine) / 4 + abs(cosine)  # a root of nearly 4, by one Newton step, and |2 cos θ|
     near = np.sqrt(square)
     centre = choose(near < ARCS[0] * far, 0.0, choose(near < ARCS[2] * far, ARCS[1], 1.0))

@@ -221,6 +221,14 @@ def track() -> strapdown.Track:
     return baselines.ekf(Z, START, CONFIG)
 
 
+def settling(**changed):
+    inputs = cascade.attitude_inputs(
+        Z, cascade.observe(Z, START, CONFIG), CONFIG, truth=np.tile(np.eye(3), (len(Z.time), 1, 1))
+    )
+    given = {"rotations": np.eye(3)[None], "chosen": np.ones(len(Z.time), dtype=bool), "limit": 1.0}
+    return cascade.attitude_settling(inputs, **{**given, **changed})
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
@@ -248,6 +256,12 @@ def track() -> strapdown.Track:
             lambda: cascade.attitudes(Z, START, CONFIG, rotations=np.eye(3)),
             "rotations must have shape (j, 3, 3), got (3, 3)",
         ),
+        (
+            lambda: settling(chosen=np.arange(3)),
+            "chosen must hold a truth value for each of the 21 samples, got an array of shape (3,)",
+        ),
+        (lambda: settling(limit=3.2), "limit must lie between 0 and 3.14159 rad, got 3.2"),
+        (lambda: settling(limit="5"), "limit must be a number, got '5'"),
         (
             lambda: errors.norms(np.zeros((4, 13)), np.zeros((3, 13))),
             "truth must have shape (4, 13), got (3, 13)",

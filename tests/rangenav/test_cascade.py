@@ -99,6 +99,24 @@ def test_many_starts_at_once_are_each_what_it_is_alone(attitude: AttitudeGains, 
         np.testing.assert_array_equal(angle, scene.errors(alone).attitude)
 
 
+def test_the_last_sample_above_a_limit_is_that_of_the_angles_whether_or_not_they_are_computed():
+    """Limits that are an angle of one of the filters, where no bound of the cosine decides, and their neighbours."""
+    scene = records.scene("paper-slow", duration=4.0)
+    z, setting, truth, rng = scene.measurements, scene.setting(), scene.truth.motion.rotation, np.random.default_rng(6)
+    rotations, estimate = Rotation.random(19, rng).as_matrix(), scene.observe()
+    rotations[7], rotations[18] = truth[0], 40 * truth[0]  # no error at the start; no rotation, and soon no number
+    angles = cascade.attitude_errors(z, estimate, setting, rotations=rotations, truth=truth)
+    inputs = cascade.attitude_inputs(z, estimate, setting, truth=truth)
+    assert np.isnan(angles[18, -1])
+    exact = [angles[k % 18, place] for k, place in enumerate(rng.integers(1, angles.shape[1], 40))]
+    for limit in (0.0, *exact, *np.nextafter(exact[:5], 4.0), np.pi):
+        chosen = rng.random(len(z.time)) < rng.choice([0.0, 0.1, 1.0])
+        some, above = cascade.attitude_settling(inputs, rotations=rotations, chosen=chosen, limit=float(limit))
+        np.testing.assert_array_equal(some, angles[:, chosen])
+        expected = [max(np.flatnonzero(~(one < limit)), default=-1) + 1 for one in angles]
+        np.testing.assert_array_equal(above, expected)
+
+
 @pytest.mark.parametrize(("range_rate", "mag_rate"), [(200.0, 200.0), (333.0, 57.0)])
 @pytest.mark.parametrize(
     "attitude", [AttitudeGains(), AttitudeGains(k1=40.0), SCHEDULED], ids=["constant", "large turns", "scheduled"]
