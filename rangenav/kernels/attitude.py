@@ -110,12 +110,15 @@ def run(time, gyro, mag, gravity, truth, starts, rotations, chosen, errors, limi
     Rotations, or errors and above, may have no rows, and are then not computed. Each filter has to the last bit what
     `step` gives it alone.
     """
-    w, p, asked = np.empty((10 + 2 * BLOCK) * LANES), unpacked(packed), np.empty((2, BLOCK), dtype=np.int64)
+    w, p, asked = np.empty((10 + 2 * BLOCK) * LANES), unpacked(packed), np.empty(2 * BLOCK, dtype=np.int64)
     lanes, middle = at(w, 0, LANES), 2 * np.cos(limit)
     for first in range(0, len(starts), LANES):
-        some = slice(first, first + LANES)
-        _load(w, starts[some])
-        r, s, many, few, column = rot.load_at(lanes, 0), lanes[9] + misaligned, 0, 0, 0
+        end, many, few, column = min(first + LANES, len(starts)), 0, 0, 0
+        for c in range(LANES):
+            for i in range(9):
+                w[LANES * i + c] = starts[min(first + c, end - 1), i // 3, i % 3]
+        lanes[9] = 0.0
+        r, s = rot.load_at(lanes, 0), lanes[9] + misaligned
         for k in range(len(time)):
             if k > 0:
                 r, s = step(
@@ -124,56 +127,38 @@ def run(time, gyro, mag, gravity, truth, starts, rotations, chosen, errors, limi
                 )  # fmt: skip
             if len(rotations) > 0:
                 rot.store_at(r, lanes, 0)
-                _write_rotations(w, k, rotations[some])
+                for j in range(first, end):
+                    for i in range(9):
+                        rotations[j, k, i // 3, i % 3] = w[LANES * i + j - first]
             if len(errors) > 0:
                 cosine, due = rot.cosine(rot.load(truth[k]), r), chosen[k]
                 if not everywhere(cosine > middle + CERTAIN):
                     lanes[9] = choose(middle - cosine > CERTAIN, k + 1.0, lanes[9])
                     due = due or not everywhere(abs(cosine - middle) > CERTAIN)
                 if due:
-                    asked[0, many], asked[1, few] = k, many
+                    asked[many], asked[BLOCK + few] = k, many
                     lanes[10 + 2 * many], lanes[11 + 2 * many] = rot.sine_square(rot.load(truth[k]), r), cosine
                     many, few = many + 1, few + chosen[k]
                 if many == BLOCK or k == len(time) - 1:
-                    _angles(w, asked[0, :many], limit)
-                    _write(w, asked[1, :few], errors[some, column : column + few])
+                    _angles(w, asked, many, few, errors, first, end, column, limit)
                     many, few, column = 0, 0, column + few
-        for c in range(len(above[some])):
-            above[first + c] = w[LANES * 9 + c]
+        for j in range(first, min(end, len(above))):
+            above[j] = w[LANES * 9 + j - first]
 
 
 @kernel
-def _load(w, starts):
-    """Nine vectors of R̂(0), the last of which fills the lanes that are left, and zero after them."""
-    for c in range(LANES):
-        for i in range(9):
-            w[LANES * i + c] = starts[min(c, len(starts) - 1), i // 3, i % 3]
-        w[LANES * 9 + c] = 0.0
+def _angles(w, asked, many, few, errors, first, end, column, limit):
+    """The angles at the samples asked[:many], which do not wait for each other, from what stands at places 10 and on.
 
-
-@kernel
-def _write_rotations(w, k, rotations):
-    for c in range(len(rotations)):
-        for i in range(9):
-            rotations[c, k, i // 3, i % 3] = w[LANES * i + c]
-
-
-@kernel
-def _angles(w, samples, limit):
-    """Place 10 + i ← the angles at the samples of a block, which do not wait for each other, from what stands there.
-
-    Place 9 ← one past the last of all samples whose angle is not below the limit.
+    asked[BLOCK : BLOCK + few]: which of them are chosen; they go into the errors of filters first ≤ j < end from a
+    column on. Place 9 ← one past the last of all samples so far whose angle is not below the limit.
     """
     lanes = at(w, 0, LANES)
     above = lanes[9]
-    for i in range(len(samples)):
-        angle, after = rot.angle_at(lanes[10 + 2 * i], lanes[11 + 2 * i]), samples[i] + 1.0
+    for i in range(many):
+        angle, after = rot.angle_at(lanes[10 + 2 * i], lanes[11 + 2 * i]), asked[i] + 1.0
         lanes[10 + i], above = angle, choose(angle < limit, above, choose(above < after, after, above))
     lanes[9] = above
-
-
-@kernel
-def _write(w, places, errors):
-    for c in range(len(errors)):
-        for i in range(len(places)):
-            errors[c, i] = w[LANES * (10 + places[i]) + c]
+    for j in range(first, end):
+        for i in range(few):
+            errors[j, column + i] = w[LANES * (10 + asked[BLOCK + i]) + j - first]
