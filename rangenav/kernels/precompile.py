@@ -38,7 +38,16 @@ def _parameters() -> np.ndarray:
 
 
 def _stages() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import attitude, cascade, errors, gramian_spectra, remainder_rows, riccati, rotation
+    from rangenav.kernels import (
+        attitude,
+        cascade,
+        errors,
+        gramian_spectra,
+        remainder_rows,
+        riccati,
+        rotation,
+        triangles,
+    )
     from rangenav.kernels.layout import LENGTH, views
 
     p = _parameters()
@@ -47,6 +56,7 @@ def _stages() -> list[tuple[str, Stage]]:
     arrays.P[::14], arrays.turned[:], arrays.rotation[:] = 1.0, matrix, matrix
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
     r, pairs = rotation.load(matrix), np.empty((2, 2))
+    packed, first = np.ones((1, 2, 6)), np.zeros(1, dtype=np.int64)
     known = attitude.unpacked(p)
     return [
         ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), r))),
@@ -68,6 +78,14 @@ def _stages() -> list[tuple[str, Stage]]:
                 s, time, rows, rows, rows, time, ranges, np.empty((2, 13)), np.empty((2, 4)), np.empty((2, 3, 3, 3)),
                 np.empty((2, 3, 3)), np.empty(2), np.empty(2, dtype=np.int8), np.empty((2, 3)),
                 np.empty((2, 2)), 1, p,
+            ),
+        ),
+        (
+            "triangles of ranges",
+            lambda: (
+                triangles.grow(np.ones((1, 1, 3)), 1, packed.copy()),
+                triangles.join(packed, first, packed, first, first, np.empty((1, 3, 3))),
+                triangles.invert(matrix[None], np.empty((1, 3, 3))),
             ),
         ),
         ("errors", lambda: errors.norms(np.zeros((1, 13)), np.zeros((1, 13)), np.empty((1, 3)))),

@@ -13,9 +13,13 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
+from rangenav.observability import joined_triangles
 from rangenav.observability.coordinates import UNKNOWNS
 from rangenav.observability.cubic_fit import CUBIC
 from rangenav.observability.gramian_rank import ROUNDING
+
+CLEAR = 1e-9
+"""Below this the norm of the inverse in units of the floors, which is no less than the rounding, stands for it."""
 
 
 def columns(
@@ -26,7 +30,8 @@ def columns(
     curved: positions (m) at these times, without the path's straight part, which is a cubic too.
     """
     cubics = np.stack([np.ones_like(u), u, (3 * u**2 - 1) / 2, (5 * u**2 - 3) * u / 2], axis=-1)
-    fit = curved @ np.linalg.pinv(cubics).swapaxes(1, 2)  # (w, 3, 4)
+    squares = cubics.swapaxes(1, 2) @ cubics
+    fit = np.linalg.solve(squares, cubics.swapaxes(1, 2) @ curved.swapaxes(1, 2)).swapaxes(1, 2)  # (w, 3, 4)
     q = curved - fit @ cubics.swapaxes(1, 2)
     second, third = 1.5 * fit[..., 2] - np.asarray(gravity) * unit**2 / 2, 2.5 * fit[..., 3]
     fourth, fifth = u**4 - 6 / 7 * u**2 + 3 / 35, (u**4 - 10 / 9 * u**2 + 5 / 21) * u
@@ -41,7 +46,7 @@ def columns(
 
 
 def errors(
-    triangle: Float[Array, "w 13 13"], size: Float[Array, "w 9"], margin: float
+    triangle: Float[Array, "w 13 13"], size: Float[Array, "w 9"], margin: float, *, clear: float = CLEAR
 ) -> tuple[Float[Array, "w 9 9"], Float[Array, "w"], Bool[Array, "w"]]:
     """R₂₂⁻¹ of each window, whose rows are the errors (m) of p, Tv and T²g; its relative rounding; and whether it is.
 
@@ -50,15 +55,14 @@ def errors(
     does not exceed 1, the window does not determine the nine, and its rows are NaN.
     """
     left = triangle[:, CUBIC:, CUBIC:]
-    floor = (
-        margin
-        * ROUNDING
-        * np.maximum(np.abs(triangle[:, 0, :1]) * size, np.linalg.norm(triangle[:, :, CUBIC:], axis=1))
-    )
-    some = floor.min(axis=1) > 0
-    least = np.zeros(len(left))
-    least[some] = np.linalg.svd(left[some] / floor[some, None], compute_uv=False)[:, -1]
-    determined = least > 1
-    inverse = np.full(left.shape, np.nan)
-    inverse[determined] = np.linalg.inv(left[determined] / floor[determined, None]) / floor[determined, :, None]
-    return inverse, 1 / np.maximum(least, 1), determined
+    columns = np.sqrt(np.einsum("wij,wij->wj", triangle[..., CUBIC:], triangle[..., CUBIC:]))
+    floor = margin * ROUNDING * np.maximum(np.abs(triangle[:, 0, :1]) * size, columns)
+    inverse, some = joined_triangles.inverses(left), floor.min(axis=1) > 0
+    with np.errstate(invalid="ignore", over="ignore"):
+        loss = np.sqrt(np.einsum("wij,wij,wi->w", inverse, inverse, floor**2))
+    determined = some & (loss < clear)
+    unclear = np.flatnonzero(some & ~determined)
+    least = np.linalg.svd(left[unclear] / floor[unclear, None], compute_uv=False)[:, -1]
+    loss[unclear], determined[unclear] = 1 / np.maximum(least, 1), least > 1
+    inverse[~determined], loss[~determined] = np.nan, 1.0
+    return inverse, loss, determined

@@ -9,14 +9,16 @@ together. At the end of a window that starts at t, u = (t + δ − pivot's stamp
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 
+from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import range_rows, rounding
+from rangenav.observability import joined_triangles, range_rows, rounding
 from rangenav.progress import stop_if_unwanted
 from rangenav.signals import Signal, curved_part
 
@@ -27,10 +29,14 @@ UNEVEN, OWN = 16.0, 1.0
 in the rows of one window, whose unit is half the window."""
 ROUNDED = 1e-5
 """The most that σ from joined triangles may be rounded by."""
+ROUGH = 1e-6
+"""The rounding, as `range_rows.CLEAR`, that a search of some stretches does not look into."""
+BEST = 3
+"""Stretches around which others are looked at, of those from some pivots."""
 AGAIN = 16
 """Sets that are decomposed from their own rows at once."""
-CHUNK = 120_000
-"""Rows that are held at once (12 MB)."""
+CHUNK, CACHED = 120_000, 2
+"""Rows that are held at once (12 MB); and lists of rows that are kept for another anchor or other noise."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,13 +69,15 @@ class Stretches:
         return Stretches(self.start[chosen], self.stop[chosen], self.first[chosen], self.last[chosen], self.size)
 
 
-def greatest(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
+def greatest(ranging: Ranging, stretches: Stretches, *, every: int = 1) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
     """The largest σ (m) on each stretch, infinite where undetermined, and the start (s) at which it is reached.
 
     What the joined triangles leave undetermined or rounded is decomposed from its own rows, whose unit is half the
     window: that saves three digits. Once a set remains undetermined, so do those that were not decomposed again.
+    With `every` > 1 only every so many-th stretch is looked at, and those around the largest; of what is rounded, the
+    largest few are decomposed again. The others have −∞.
     """
-    value, at = np.full(len(stretches.start), np.inf), stretches.start.copy()
+    value, at, loss = np.full(len(stretches.start), np.inf), stretches.start.copy(), np.ones(len(stretches.start))
     enough = (stretches.last - stretches.first + 1) * stretches.size >= STATES
     indices = np.flatnonzero(enough)
     if len(indices) == 0:
@@ -78,8 +86,13 @@ def greatest(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"],
     pivot = stretches.last // spacing * spacing
     for inside in _grouped(pivot[indices], int((stretches.last - stretches.first).max()) * stretches.size):
         chosen = indices[inside]
-        value[chosen], at[chosen] = _of_pivots(ranging, stretches.some(chosen), pivot[chosen])
-    unknown = np.flatnonzero(enough & np.isinf(value))
+        grown = _Grown(ranging, stretches.some(chosen), pivot[chosen])
+        value[chosen], at[chosen], loss[chosen] = grown.greatest(every)
+    unknown = np.flatnonzero(enough & (loss >= ROUNDED))
+    if every > 1:
+        largest = unknown[np.argsort(-value[unknown], kind="stable")[:AGAIN]]
+        value[unknown], unknown = -np.inf, largest
+    value[unknown] = np.inf
     for k in range(0, len(unknown), AGAIN):
         stop_if_unwanted()
         chosen = unknown[k : k + AGAIN]
@@ -94,24 +107,47 @@ def _grouped(pivot: Int[Array, "i"], reach: int) -> Iterator[Array]:
     pivots, each = np.unique(pivot), max(1, CHUNK // (2 * reach + 1))
     for k in range(0, len(pivots), each):
         stop_if_unwanted()
-        yield np.flatnonzero(np.isin(pivot, pivots[k : k + each]))
+        few = pivots[k : k + each]
+        yield np.flatnonzero((pivot >= few[0]) & (pivot <= few[-1]))
 
 
-def _of_pivots(
-    ranging: Ranging, stretches: Stretches, pivot: Int[Array, "i"]
-) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
-    """As `greatest`, of stretches whose blocks include one of a few pivots."""
-    pivots, own = np.unique(pivot, return_inverse=True)
-    before, after = int((pivot - stretches.first).max()) + 1, int((stretches.last - pivot).max())
-    stamp = (pivots + 1) * stretches.size - 1
-    index = stamp[:, None] + np.arange(1 - before * stretches.size, after * stretches.size + 1)
-    reference = stamp / ranging.rate
-    rows, size = _rows(ranging, index, reference, ranging.window)
-    blocks = rows.reshape(len(pivots), before + after, stretches.size, STATES)
-    backward, forward = _grown(blocks[:, before - 1 :: -1]), _grown(blocks[:, before:])
-    both = np.concatenate([backward[pivot - stretches.first + 1, own], forward[stretches.last - pivot, own]], axis=1)
-    value, at, loss = _of_rows(ranging, stretches, both, size[own], reference[own], ranging.window, UNEVEN)
-    return np.where(loss < ROUNDED, value, np.inf), at
+class _Grown:
+    """The triangles that grow from a few pivots, for the stretches whose blocks include one of them."""
+
+    def __init__(self, ranging: Ranging, stretches: Stretches, pivot: Int[Array, "i"]) -> None:
+        pivots, self._own = np.unique(pivot, return_inverse=True)
+        self._ranging, self._stretches, self._pivot, each = ranging, stretches, pivot, stretches.size
+        before, after = int((pivot - stretches.first).max()) + 1, int((stretches.last - pivot).max())
+        stamp = (pivots + 1) * each - 1
+        index = stamp[:, None] + np.arange(1 - before * each, after * each + 1)
+        self._reference = stamp / ranging.rate
+        rows, self._size = _rows(ranging, index, self._reference, ranging.window)
+        middle = before * each
+        self._backward = joined_triangles.grown(rows[:, middle - 1 :: -1], each)
+        self._forward = joined_triangles.grown(rows[:, middle:], each)
+
+    def greatest(self, every: int) -> tuple[Float[Array, "i"], Float[Array, "i"], Float[Array, "i"]]:
+        """As `greatest`, infinite where σ is undetermined; and by which share it is rounded."""
+        count = len(self._pivot)
+        if every == 1:
+            return self._of(np.arange(count), range_rows.CLEAR)
+        value, at, loss = np.full(count, -np.inf), self._stretches.start.copy(), np.zeros(count)
+        spread = np.arange(0, count, every)
+        value[spread], at[spread], loss[spread] = self._of(spread, ROUGH)
+        best = spread[np.argsort(-value[spread], kind="stable")[:BEST]]
+        near = np.unique(np.clip(best[:, None] + np.arange(1 - every, every), 0, count - 1))
+        value[near], at[near], loss[near] = self._of(near, ROUGH)
+        return value, at, loss
+
+    def _of(
+        self, chosen: Int[Array, "c"], clear: float
+    ) -> tuple[Float[Array, "c"], Float[Array, "c"], Float[Array, "c"]]:
+        stretches, pivot, own = self._stretches.some(chosen), self._pivot[chosen], self._own[chosen]
+        back, ahead = pivot - stretches.first + 1, stretches.last - pivot
+        both, unit = joined_triangles.joined(self._backward, back, self._forward, ahead, own), self._ranging.window
+        errors = range_rows.errors(both, self._size[own], UNEVEN, clear=clear)
+        value, at = _of_errors(self._ranging, stretches, errors, self._reference[own], unit)
+        return value, at, errors[1]
 
 
 def _of_own_rows(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
@@ -121,30 +157,29 @@ def _of_own_rows(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "
     middle = (first + last) / 2 / ranging.rate
     rows, size = _rows(ranging, index, middle, ranging.window / 2)
     rows[index > last[:, None]] = 0.0
-    return _of_rows(ranging, stretches, rows, size, middle, ranging.window / 2, OWN)[:2]
+    errors = range_rows.errors(np.asarray(np.linalg.qr(rows, mode="r")), size, OWN)
+    return _of_errors(ranging, stretches, errors, middle, ranging.window / 2)
 
 
-def _of_rows(
+def _of_errors(
     ranging: Ranging,
     stretches: Stretches,
-    rows: Float[Array, "i k 13"],
-    size: Float[Array, "i 9"],
+    errors: tuple[Float[Array, "i 9 9"], Float[Array, "i"], Bool[Array, "i"]],
     reference: Float[Array, "i"],
     unit: float,
-    margin: float,
-) -> tuple[Float[Array, "i"], Float[Array, "i"], Float[Array, "i"]]:
-    """As `greatest`, from the weighted rows of each set, which refer to u = (time − reference)/unit.
+) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
+    """As `greatest`, from what `range_rows.errors` says of each set, whose rows refer to u = (time − reference)/unit.
 
-    σ is made larger by its relative rounding, which is the third result, so that it stays a bound.
+    σ is made larger by its relative rounding, so that it stays a bound.
     """
-    inverse, loss, known = range_rows.errors(np.asarray(np.linalg.qr(rows, mode="r")), size, margin)
-    value, at = np.full(len(rows), np.inf), stretches.start.copy()
+    inverse, loss, known = errors
+    value, at = np.full(len(known), np.inf), stretches.start.copy()
     length = (stretches.stop - stretches.start)[known]
     u = (stretches.start[known] + ranging.window - reference[known]) / unit
     largest, share = _largest(inverse[known], u, length / unit)
     value[known] = np.sqrt(largest) * (1 + loss[known])
     at[known] += share * length
-    return value, at, loss
+    return value, at
 
 
 def _rows(
@@ -152,24 +187,29 @@ def _rows(
 ) -> tuple[Float[Array, "p k 13"], Float[Array, "p 9"]]:
     """The weighted rows of ranges by their indices, in u = (time − reference)/unit; zeros outside the flight."""
     within = np.clip(index, 0, ranging.count - 1)
-    time = within / ranging.rate
-    curve, position = curved_part(ranging.path), ranging.path(time)
-    curved, ends = np.ascontiguousarray(curve(time).swapaxes(1, 2)), np.stack([time[:, 0], time[:, -1]])
-    amplitude = rounding.sizes(ranging.path, ends, position.swapaxes(1, 2), curved, curve(ends, 1))
-    u = (time - reference[:, None]) / unit
-    rows, large = range_rows.columns(u, curved, ranging.world.gravity, unit)
-    distance2 = np.sum((position - np.asarray(ranging.world.anchor)) ** 2, axis=-1)
+    gravity, taken = ranging.world.gravity, (within.tobytes(), reference.tobytes())
+    rows, size, position = _unweighted(ranging.path, gravity, ranging.rate, unit, *taken)
+    distance2 = np.sum((position - np.asarray(ranging.world.anchor)[:, None]) ** 2, axis=1)
     weight = ranging.share / (distance2 * ranging.noise**2 + ranging.noise**4 / 2)
-    return rows * np.sqrt(weight * (within == index))[..., None], amplitude[:, None] + large
+    return rows * np.sqrt(weight * (within == index))[..., None], size
 
 
-def _grown(blocks: Float[Array, "p l s 13"]) -> Float[Array, "m p 13 13"]:
-    """R of none, of the first, of the first two … blocks of rows."""
-    grown = np.zeros((blocks.shape[1] + 1, len(blocks), STATES, STATES))
-    for k in range(blocks.shape[1]):
-        stop_if_unwanted()
-        grown[k + 1] = np.linalg.qr(np.concatenate([grown[k], blocks[:, k]], axis=1), mode="r")
-    return grown
+@lru_cache(maxsize=CACHED)
+def _unweighted(
+    path: Signal, gravity: Vec3, rate: float, unit: float, indices: bytes, references: bytes
+) -> tuple[Float[Array, "p k 13"], Float[Array, "p 9"], Float[Array, "p 3 k"]]:
+    """What rows have of neither anchor nor noise: the rows, the size of what is subtracted in each column (m), and the
+    positions (m). The indices, and the references (s), are bytes of arrays."""
+    reference = np.frombuffer(references)
+    index = np.frombuffer(indices, dtype=np.int64).reshape(len(reference), -1)
+    known, place = np.unique(index, return_inverse=True)
+    curve, time = curved_part(path), known / rate
+    each = np.stack([path(time), curve(time)])[:, place.reshape(index.shape)]
+    position, curved = np.ascontiguousarray(each.swapaxes(2, 3))
+    ends = np.stack([index[:, 0], index[:, -1]]) / rate
+    amplitude = rounding.sizes(path, ends, position, curved, curve(ends, 1))
+    rows, large = range_rows.columns((index / rate - reference[:, None]) / unit, curved, gravity, unit)
+    return rows, amplitude[:, None] + large, position
 
 
 def _largest(
@@ -181,8 +221,8 @@ def _largest(
     terms = (p + at * v + at**2 / 2 * g, h * (v + at * g), h**2 / 2 * g)
     power = np.zeros((len(u), 5))
     for i, one in enumerate(terms):
-        for j, other in enumerate(terms):
-            power[:, i + j] += np.einsum("iab,iab->i", one, other)
+        for j, other in enumerate(terms[i:], start=i):
+            power[:, i + j] += (1 if i == j else 2) * np.einsum("iab,iab->i", one, other)
     ends = np.stack([power[:, 0], power.sum(axis=1)])
     value, share = ends.max(axis=0), ends.argmax(axis=0).astype(float)
     bernstein = power @ BERNSTEIN

@@ -1,0 +1,66 @@
+"""Triangles R of sets of rows that grow by a block at a time, joined in pairs, and their inverses: compiled, or LAPACK.
+
+    R of rows A and B = R of [R_A; R_B]
+LAPACK takes most of its time for each call. Loading the compiled code takes as long as LAPACK takes for 20 flights, so
+a program that judges one motion does without it: it is used where it is loaded, and both agree to rounding.
+"""
+
+import math
+import sys
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray as Array
+
+from rangenav.progress import stop_if_unwanted
+
+KERNELS = "rangenav.kernels.triangles"
+
+
+def load() -> None:
+    """Load the compiled code: for a program that judges many motions, and for results that are equal to the last bit
+    in all its processes."""
+    from rangenav.kernels import triangles
+
+    assert triangles.__name__ == KERNELS
+
+
+def grown(rows: Float[Array, "p k n"], size: int) -> Array:
+    """R of none, of the first, of the first two … blocks of so many rows of each list, as `joined` takes it."""
+    stop_if_unwanted()
+    p, k, n = rows.shape
+    kernels = sys.modules.get(KERNELS)
+    if kernels is not None:
+        packed = np.empty((p, k // size + 1, n * (n + 1) // 2))
+        kernels.grow(rows.copy(), size, packed)
+        return packed
+    grown = np.zeros((p, k // size + 1, n, n))
+    for m in range(k // size):
+        stop_if_unwanted()
+        block = rows[:, m * size : (m + 1) * size]
+        grown[:, m + 1] = np.linalg.qr(np.concatenate([grown[:, m], block], axis=1), mode="r")
+    return grown
+
+
+def joined(
+    one: Array, i: Int[Array, "w"], other: Array, j: Int[Array, "w"], own: Int[Array, "w"]
+) -> Float[Array, "w n n"]:
+    """R of the rows of the list `own` in the first i blocks of one, and in the first j of another, for each window."""
+    if one.ndim == 4:
+        return np.asarray(np.linalg.qr(np.concatenate([one[own, i], other[own, j]], axis=1), mode="r"))
+    n = math.isqrt(2 * one.shape[-1])
+    result = np.empty((len(own), n, n))
+    sys.modules[KERNELS].join(one, i, other, j, own, result)
+    return result
+
+
+def inverses(triangle: Float[Array, "w n n"]) -> Float[Array, "w n n"]:
+    """The inverse of each upper triangle; not finite where one is singular."""
+    kernels = sys.modules.get(KERNELS)
+    result = np.full(triangle.shape, np.nan)
+    if kernels is not None:
+        kernels.invert(np.ascontiguousarray(triangle), result)
+        return result
+    regular = (np.diagonal(triangle, axis1=1, axis2=2) != 0).all(axis=1)
+    result[regular] = np.linalg.inv(triangle[regular])
+    return result
