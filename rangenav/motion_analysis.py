@@ -80,7 +80,8 @@ class Ranges:
 class Windows:
     """Observability over sliding windows [start, start + window].
 
-    Spectra, and all of the nonlinear problem, are computed when they are read first: no verdict depends on them.
+    Spectra, the curves of σ and all of the nonlinear problem are computed when they are read first: no verdict depends
+    on them.
     """
 
     path: Signal
@@ -90,10 +91,10 @@ class Windows:
     start: Float[Array, "w"]
     """s"""
     window: float
-    sigma_lifted: Float[Array, "w"]
-    """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
     ranges: Ranges
     lifted: MotionAnalysis
+    compiled: bool
+    """Whether the curve of the lifted σ is computed by compiled code; see `gramian_rank.of`."""
 
     @property
     def excitation(self) -> Float[Array, "w 3"]:
@@ -134,6 +135,11 @@ class Windows:
     def nonlinear_rank(self) -> Int[Array, "w"]:
         """Of 9."""
         return self._nonlinear_spectrum.rank
+
+    @cached_property
+    def sigma_lifted(self) -> Float[Array, "w"]:
+        """Predicted 1-σ position (m) at the end of each window, as if ranges came at all times; NaN where blind."""
+        return _end_position(self._samples, self.world, self.ranges, "lifted", compiled=self.compiled)
 
     @cached_property
     def sigma_nonlinear(self) -> Float[Array, "w"]:
@@ -233,19 +239,16 @@ def sampled_windows(
     compiled: bool = False,
 ) -> Windows:
     """The sampled windows (s) of a flight, with the accuracy that its ranges allow. compiled: see `gramian_rank.of`."""
-    lifted, samples = (
-        motion_analysis(path, world.gravity, duration, window, count, compiled=compiled),
-        path_samples(path, duration, window, count),
-    )
+    lifted = motion_analysis(path, world.gravity, duration, window, count, compiled=compiled)
     return Windows(
         path=path,
         world=world,
         duration=duration,
         start=lifted.start,
         window=window,
-        sigma_lifted=_end_position(samples, world, ranges, "lifted", compiled=compiled),
         ranges=ranges,
         lifted=lifted,
+        compiled=compiled,
     )
 
 

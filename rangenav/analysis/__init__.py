@@ -1,7 +1,7 @@
 """Observability of a preset's motion from one range: sliding windows, the worst of them, blind directions, verdict.
 
 analyse(preset)     the worst of all windows, as certificates have it: what `analyze` and the page at rest show
-sampled(preset)     the worst of 101 windows or fewer, some ten times as fast: for a page while a hand moves
+sampled(preset)     the worst of fewer windows, several times as fast: for a page while a hand moves, and for studies
 how_long(preset)    rank and position error against the length of a window
 shortest(preset)    the shortest windows that meet the requirement, with the ranges as they come
 """

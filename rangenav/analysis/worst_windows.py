@@ -1,7 +1,10 @@
-"""A preset judged by its worst windows: the worst of all windows, proved, or the worst of windows evenly spaced."""
+"""A preset judged by its worst windows: the worst of all windows, proved, or the worst of some windows.
+
+Of some windows, μ and rank are those of windows evenly spaced, and σ is that of the windows that hold the fewest ranges
+(`every_range_window.likely_worst`), by the ranges that each of them holds.
+"""
 
 import math
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,11 +14,13 @@ from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.motion_analysis import (
     WINDOWS,
+    MotionAnalysis,
     Ranges,
     farthest_from_anchor,
     sampled_windows,
 )
-from rangenav.observability import accuracy, excitation, undetermined
+from rangenav.observability import accuracy, every_range_window, excitation, joined_triangles, undetermined
+from rangenav.observability.every_range_window import RangeWindows
 from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset, Requirement
 from rangenav.proof import arguments, prove
@@ -33,7 +38,10 @@ def analyse(preset: Preset) -> Analysis:
 
 
 def sampled(preset: Preset, windows: int = WINDOWS) -> Analysis:
-    """Analyse a preset over its own window: the worst of so many windows, evenly spaced over the flight."""
+    """Analyse a preset over its own window: the worst of some windows. μ and rank are those of so many, evenly spaced.
+
+    σ is never larger than over all windows, and rarely 1 % smaller (`every_range_window.likely_worst`).
+    """
     return analysis(*arguments(preset), preset.source, windows, compiled=True)
 
 
@@ -60,13 +68,15 @@ def analysis(
     ranges = Ranges(sigma=range_sigma, rate=range_rate, share=arriving)
     windows = sampled_windows(path, world, duration, window, ranges, count, compiled=compiled)
     lifted, k, worst = windows.lifted, windows.lifted.worst, windows.lifted.worst_spectrum
-    at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
-    first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)
+    if compiled:
+        joined_triangles.load()
+    found = _worst_held(path, world, duration, window, ranges, lifted)
+    first, last = found.first, found.last
     of = accuracy.of_held(
-        path, world, at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
+        path, world, found.at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
     )
     rank, farthest, cause = lifted.rank, farthest_from_anchor(path, world, duration), None
-    if rank == STATES and not math.isfinite(of.lifted_end.position):
+    if rank == STATES and not math.isfinite(found.sigma):
         noise = range_sigma or 1.0
         cause = undetermined.cause(path, world, window=window, first=first, last=last, rate=range_rate, noise=noise)
     return Analysis(
@@ -83,21 +93,33 @@ def analysis(
         rounded=lifted.rounded,
         tolerance=float(worst.tolerance[0] / worst.scaled[0, 0]),
         directions=lifted.directions,
-        accuracy_at=at,
+        accuracy_at=found.at,
         accuracies=of,
-        ranges=last - first + 1,
+        ranges=found.ranges,
         ranges_rounded=cause == "rounding",
         farthest=farthest,
         verdict=judge(
             rank,
-            of.lifted_end.position,
+            found.sigma,
             requirement.position_sigma,
             excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
             rounded=lifted.rounded,
             restriction=restriction(path, source, duration),
-            ranges=for_these_ranges(cause, last - first + 1, at, window, rate=range_rate, period=path.period),
+            ranges=for_these_ranges(cause, found.ranges, found.at, window, rate=range_rate, period=path.period),
             farthest=farthest,
         ),
+    )
+
+
+def _worst_held(
+    path: Signal, world: World, duration: float, window: float, ranges: Ranges, lifted: MotionAnalysis
+) -> RangeWindows:
+    """The worst window for the position by the ranges that windows hold; of a blind motion the window of least rank."""
+    start = float(lifted.start[lifted.worst])
+    if lifted.rank < STATES and not lifted.rounded:
+        return every_range_window.held(start, window, rate=ranges.rate)
+    return every_range_window.likely_worst(
+        path, world, duration, window, sigma=ranges.sigma, rate=ranges.rate, share=ranges.share
     )
 
 
@@ -112,15 +134,16 @@ def _proven(
     arriving: float,
     source: Source | None,
 ) -> Analysis:
-    """The analysis by sampled windows, with the worst of all windows in place of the worst sampled one."""
+    """The analysis by the worst of all windows; the sampled ones are kept for curves."""
     window = requirement.window
-    few = analysis(path, world, duration, requirement, range_sigma, range_rate, arriving, source, WINDOWS)
+    ranges = Ranges(sigma=range_sigma, rate=range_rate, share=arriving)
     proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving)
     excited, rank, worst, held = proof.excitation, proof.rank, proof.accuracy, proof.accuracy.windows
     values = excitation.eigenvalues(path, np.array([excited.at]), window)[0]
-    return replace(
-        few,
+    farthest = farthest_from_anchor(path, world, duration)
+    return Analysis(
         proof=proof,
+        windows=sampled_windows(path, world, duration, window, ranges),
         mu=float(values[0]),
         mu_at=excited.at,
         excitation=values,
@@ -136,6 +159,7 @@ def _proven(
         accuracies=worst.accuracies,
         ranges=held.ranges,
         ranges_rounded=proof.undetermined == "rounding",
+        farthest=farthest,
         verdict=judge(
             rank.rank,
             held.bound,
@@ -146,6 +170,6 @@ def _proven(
             ranges=for_these_ranges(
                 proof.undetermined, held.ranges, held.at, window, rate=range_rate, period=path.period
             ),
-            farthest=few.farthest,
+            farthest=farthest,
         ),
     )

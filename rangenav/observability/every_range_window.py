@@ -33,6 +33,9 @@ TIE = 1e-6
 """Windows whose σ differs by less than this share are equally bad, and the first one is named."""
 BLOCKS, FINER = 2500, 4
 """A flight of more ranges is searched in so many blocks first, then in blocks with a fourth of the ranges each time."""
+EVERY, TURN = 4, 0.32
+"""Of the windows that end just before a range, every so many-th at most is looked at first, within so many rad of the
+fastest tone: σ along the starts has peaks that are not much wider."""
 MAX_WINDOW, MAX_SETS = 4096, 50_000
 """The most blocks in a window, and the most sets in one search; what would be more is bounded by larger blocks."""
 
@@ -67,16 +70,52 @@ def worst(
     With a share of the ranges lost at random, σ is that of the expected information. Without noise σ is 0 where the
     position is determined. Raises ValueError as `windows.checked_one` does, and for a window longer than the flight.
     """
+    return _exact(sigma, _search(*_checked(path, world, duration, window, sigma=sigma, rate=rate, share=share)))
+
+
+def _checked(
+    path: Signal, world: World, duration: float, window: float, *, sigma: float, rate: float, share: float
+) -> tuple[Ranging, float]:
+    """What is searched, and the start (s) of the last window."""
     _, window = windows.checked_one(path, 0.0, window)
     rate, duration = number("rate", rate), number("duration", duration)
     require(rate > 0, f"rate must be positive, got {rate:g} Hz")
     require(window <= duration, f"window must be no longer than the flight, {duration:g} s, got {window:g} s")
-    count = math.floor(duration * rate + SAME) + 1
-    noise = sigma if sigma > 0 else 1.0
+    count, noise = math.floor(duration * rate + SAME) + 1, sigma if sigma > 0 else 1.0
     ranging = Ranging(path=path, world=world, window=window, rate=rate, noise=noise, share=share, count=count)
-    found = _search(ranging, duration - window)
-    exact = sigma <= 0 and math.isfinite(found.bound)  # without noise every determined position is
-    return replace(found, sigma=0.0, bound=0.0) if exact else found
+    return ranging, duration - window
+
+
+def _exact(sigma: float, found: RangeWindows) -> RangeWindows:
+    """What is found; without noise every position that is determined is exact."""
+    return replace(found, sigma=0.0, bound=0.0) if sigma <= 0 and math.isfinite(found.bound) else found
+
+
+def held(start: float, window: float, *, rate: float) -> RangeWindows:
+    """The ranges of one window (s) whose rank is too low for any σ."""
+    first, last = math.ceil(start * rate - SAME), math.floor((start + window) * rate + SAME)
+    return RangeWindows(sigma=math.inf, bound=math.inf, at=start, first=first, last=last, sets=0)
+
+
+def likely_worst(
+    path: Signal, world: World, duration: float, window: float, *, sigma: float, rate: float, share: float = 1.0
+) -> RangeWindows:
+    """As `worst`, of fewer windows: of every fourth that ends just before a range, and of those around the worst three.
+
+    Such a window holds the fewest ranges, and its last range lies longest before its end. Its `bound` is its sigma.
+    """
+    ranging, end = _checked(path, world, duration, window, sigma=sigma, rate=rate, share=share)
+    single = _stretches(ranging, end, 1)
+    held = single.last - single.first + 1
+    few = single.some(held == held.min())
+    if held.min() < STATES:
+        return _result(few, 0, float(few.start[0]), math.inf, bound=math.inf, sets=0)
+    fastest = path.bandwidth_until(duration)
+    every = int(min(EVERY, max(1.0, TURN * rate / fastest))) if fastest > 0 else EVERY
+    value, at = greatest(ranging, few, every=every)
+    sets = int(np.sum(~np.isneginf(value)))
+    k = int(np.argmax(value >= value.max() * (1 - TIE)))
+    return _exact(sigma, _result(few, k, float(at[k]), float(value[k]), bound=float(value[k]), sets=sets))
 
 
 def _search(ranging: Ranging, end: float) -> RangeWindows:

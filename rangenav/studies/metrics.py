@@ -1,6 +1,6 @@
 """The metrics of a study: a row for each, with its unit, its title, what it is read from, and how.
 
-    analysis   observability of the motion, of the worst sampled window or of all: one value at each point
+    analysis   observability of the motion, of the worst of some windows or of all: one value at each point
     verdict    the verdict on the motion, of all windows: one value at each point
     motion     what the motion demands of a vehicle: one value at each point
     run        errors of an estimator on one record: a value for each run

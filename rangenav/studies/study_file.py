@@ -137,7 +137,11 @@ class StudyFile(Input, frozen=True, kw_only=True):
     @property
     def windows_judged(self) -> str:
         """Which windows the metrics of observability come from, for a person."""
-        return "worst of all windows" if self.every_window else f"worst of {self.windows} windows (sampled)"
+        return (
+            "worst of all windows"
+            if self.every_window
+            else f"worst of some windows (sampled; μ and ranks: {self.windows})"
+        )
 
     @property
     def most_runs(self) -> int:

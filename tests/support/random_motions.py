@@ -8,6 +8,8 @@ import numpy as np
 
 from rangenav import analysis
 from rangenav.motion import World
+from rangenav.motion_analysis import Windows
+from rangenav.observability import accuracy
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Noise, Sensors
 from rangenav.signals import Formula, MinimumSnap, Multisine, Signal, Sum, Tone, Waypoint, Waypoints, polynomials
@@ -94,7 +96,7 @@ SIZES: tuple[tuple[float, float, float, float, float], ...] = (
 )
 """How often; the predicted error in diameters of the largest sphere on which a range leaves the position, from and to;
 the required one in predicted ones, from and to. Near the sphere, which then decides; within it, where the requirement
-decides; outside. The worst window has up to twice the error of the worst sampled one, from which these are taken."""
+decides; outside. The worst window has up to twice the error of the one from which these are taken."""
 LEAST_NOISE, MOST_NOISE = 1e-6, 10.0
 """m, of a range; where no such noise gives the error, the motion is as weak or as good as it is."""
 KINDS: dict[str, Callable[[Random], tuple[Signal, float, float, float]]] = {
@@ -125,6 +127,16 @@ KINDS: dict[str, Callable[[Random], tuple[Signal, float, float, float]]] = {
 """Of each kind: path, duration (s), window (s), and the rate of the ranges (Hz)."""
 
 
+def _predicted(p: Preset, windows: Windows) -> float:
+    """σ (m) of the evenly spaced window that is the worst if ranges come at all times; 1 m if it is undetermined."""
+    k = int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))
+    start, rate = float(windows.start[k]), p.sensors.range_rate
+    first, last = math.ceil(start * rate - 1e-9), math.floor((start + windows.window) * rate + 1e-9)
+    noise = {"rate": rate, "sigma": p.sensors.sigma.range, "share": p.sensors.arriving}
+    of = accuracy.of_held(p.path, p.world, start, windows.window, first=first, last=last, **noise)
+    return of.lifted_end.position if math.isfinite(of.lifted_end.position) else 1.0
+
+
 def random_preset(kind: str, seed: int) -> Preset:
     """A preset whose required μ and σ are near those of the worst sampled window, above or below them.
 
@@ -143,7 +155,7 @@ def random_preset(kind: str, seed: int) -> Preset:
         requirement=Requirement(window=window, mu=1e-3, position_sigma=1.0),
     )
     seen = analysis.sampled(p)
-    sigma = seen.lifted_end.position if math.isfinite(seen.lifted_end.position) else 1.0
+    sigma = _predicted(p, seen.windows)
     _, least, most, lowest, highest = SIZES[int(rng.choice(len(SIZES), p=[size[0] for size in SIZES]))]
     wanted = 2 * seen.farthest * float(np.exp(rng.uniform(math.log(least), math.log(most))))
     noise = float(np.clip(0.1 * wanted / sigma, LEAST_NOISE, MOST_NOISE))  # σ is nearly proportional to it

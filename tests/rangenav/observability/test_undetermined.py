@@ -75,9 +75,10 @@ def test_the_certificate_calls_nothing_of_it_blind_or_proven(issued: certificate
     assert not certificate.certify(presets.dumps(expected_blind).encode(), source="preset").certified
 
 
-@pytest.mark.parametrize("window", [0.5, 1.2])
+@pytest.mark.parametrize("window", [0.5, 0.9])
 def test_the_page_says_it_in_amber_and_with_the_reason(window: float):
-    """At 0.5 s the rank itself is below rounding, too; it is that of sampled windows here."""
+    """At 0.5 s the rank itself is below rounding, too; it is that of sampled windows here. At 0.9 s the ranges of four
+    in ten windows do not determine the position; at 1.2 s those of five in a thousand, which some windows may miss."""
     picture = compute(Settings(preset=replace(SHORT, requirement=replace(SHORT.requirement, window=window))))
     given, rows = {one.question: one for one in assessment.answers(picture)}, dict(figures.rows(picture))
     assert given["seen"].level == given["accuracy"].level == "mind"
