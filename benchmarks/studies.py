@@ -26,7 +26,7 @@ import psutil
 from timing import Target, report, versions
 
 from rangenav import ensemble, preset, record
-from rangenav.studies import blocks, cluster, creation, evaluation, plan, running, store, study
+from rangenav.studies import blocks, cluster, creation, evaluation, plan, running, store, study, trial
 from rangenav.studies.parameters import Linear
 from rangenav.studies.study_file import StudyFile
 
@@ -67,8 +67,8 @@ def main() -> None:
 
 def _usual(folder: Path) -> Figures:
     began = time.perf_counter()
-    parts = plan.divided(_of(POINTS), plan.cost(_of(POINTS)), workers=WORKERS)
-    trial = time.perf_counter() - began
+    parts = plan.divided(_of(POINTS), trial.cost(_of(POINTS)), workers=WORKERS)
+    tried = time.perf_counter() - began
     starts, turns, used_by_pool, path = [], [], [], folder / "two-0.zarr"
     for number in range(TURNS):
         began = time.perf_counter()
@@ -91,7 +91,7 @@ def _usual(folder: Path) -> Figures:
     }
     efficiency = rates["study, 2 workers"] / (WORKERS * rates["study, 1 worker"])
     used_by_study, size = computed / (WORKERS * wall), _bytes(path) / (POINTS * RUNS)
-    used_by_plain, start = statistics.mean(used_by_pool), trial + statistics.mean(starts)
+    used_by_plain, start = statistics.mean(used_by_pool), tried + statistics.mean(starts)
     overhead = 1 - used_by_study / used_by_plain
     rows = [
         *((name, f"{rate:.0f} runs/s") for name, rate in rates.items()),
@@ -225,7 +225,7 @@ def _memory(path: Path, client: Any) -> list[float]:
             family = [psutil.Process(), *psutil.Process().children(recursive=True)]
             taken[tenth] = sum(one.memory_info().rss for one in family) / 1e6
 
-    parts = plan.divided(_of(LONG_POINTS), plan.cost(_of(LONG_POINTS)), workers=WORKERS)
+    parts = plan.divided(_of(LONG_POINTS), trial.cost(_of(LONG_POINTS)), workers=WORKERS)
     _study(path, client, LONG_POINTS, parts.chunk[0], shown)
     return [taken[tenth] for tenth in sorted(taken)]
 

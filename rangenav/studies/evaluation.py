@@ -14,6 +14,7 @@ from numpy import ndarray as Array
 from rangenav import analysis, record
 from rangenav.inputs import shortened
 from rangenav.motion import DirectionWarning
+from rangenav.observability import joined_triangles
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, CancelledError, never, stopping
 from rangenav.record import Truth
@@ -22,6 +23,7 @@ from rangenav.sensors import measure
 from rangenav.studies.estimators import ESTIMATORS, Flown
 from rangenav.studies.metrics import METRICS, OBSERVABLE, Metric, Run, flight
 from rangenav.studies.study import Study
+from rangenav.studies.study_file import StudyFile
 
 RUNS_TOGETHER = 8
 """Runs of a point that are made side by side."""
@@ -76,6 +78,14 @@ def point(study: Study, index: int, *, runs: int | None = None, cancelled: Cance
     return PointResult(point=values, runs=np.array(rows).reshape(len(rows), *shape[1:]).swapaxes(0, 1), reason="")
 
 
+def rounds(file: StudyFile, most: int) -> list[list[range]]:
+    """The numbers of so many runs of a point, in the groups that are made together; a stopping rule is asked after
+    each round of groups."""
+    each = max(most, 1) if file.stop is None else file.stop.least
+    ends = [(first, min(first + each, most)) for first in range(0, most, each)]
+    return [[range(k, min(k + RUNS_TOGETHER, end)) for k in range(first, end, RUNS_TOGETHER)] for first, end in ends]
+
+
 def block(study: Study, indices: Sequence[int], *, cancelled: Cancelled = never) -> Block:
     """Every metric at some points. Raises CancelledError when it is cancelled."""
     file, points = study.file, len(indices)
@@ -98,6 +108,7 @@ def _of_motion(study: Study, preset: Preset) -> tuple[Float[Array, "m"], Truth |
     if "motion" in wanted and truth is not None:
         _fill(values, rows, "motion", flight(truth.motion, preset))
     if wanted & {"analysis", "verdict"}:
+        joined_triangles.load()  # in every worker, so that the store is the same to the last bit
         every = study.file.every_window
         of = analysis.analyse(preset) if every else analysis.sampled(preset, study.file.windows)
         _fill(values, rows, "analysis", of)
@@ -116,16 +127,14 @@ def _runs(
     study: Study, index: int, preset: Preset, truth: Truth, most: int, cancelled: Cancelled
 ) -> list[list[list[float]]]:
     """Runs until the stopping rule is met: run, estimator, metric."""
-    file, stop = study.file, study.file.stop
-    judged = file.run_metrics.index(stop.metric) if stop is not None else 0
-    each = max(most, 1) if stop is None else stop.least
+    stop = study.file.stop
+    judged = study.file.run_metrics.index(stop.metric) if stop is not None else 0
     rows: list[list[list[float]]] = []
-    for first in range(0, most, each):
-        for run in range(first, min(first + each, most), RUNS_TOGETHER):
+    for groups in rounds(study.file, most):
+        for group in groups:
             if cancelled():
                 raise CancelledError
-            seeds = [study.seed(index, k) for k in range(run, min(run + RUNS_TOGETHER, first + each, most))]
-            rows += _together(study, preset, truth, seeds)
+            rows += _together(study, preset, truth, [study.seed(index, run) for run in group])
         if stop is not None and stop.met(np.array(rows)[:, :, judged].T):
             break
     return rows

@@ -5,20 +5,19 @@ The trial decides how many points a part has, and nothing of the results.
 """
 
 import math
-import time
 from dataclasses import dataclass, replace
 
 import msgspec
 import numpy as np
 
 from rangenav import preset
-from rangenav.inputs import shortened
-from rangenav.studies import blocks, evaluation
+from rangenav.studies import blocks, evaluation, trial
 from rangenav.studies.blocks import Blocks
 from rangenav.studies.metrics import METRICS, RANKS, ROWS
 from rangenav.studies.parameters import Choices, Listed, Parameter
 from rangenav.studies.study import Study
 from rangenav.studies.study_file import Grid
+from rangenav.studies.trial import Cost
 
 PART_SECONDS = 6.0
 """CPU time of one part: long against the overhead of a task, short enough to lose little with a worker."""
@@ -27,32 +26,12 @@ MANY = 32
 """A small study has about so many parts, so that every worker has some."""
 SMALLER, SIZES = 0.75, 32
 """A part may be smaller by this factor so that all workers end at about the same time; sizes that are compared."""
-TRIALS, TRIED = 3, 12
-"""Valid points that are timed, and points that are looked at to find them."""
-TRIAL_RUNS = 4
-"""Runs of such a point: enough to be made side by side."""
 ENDS = (0.1, 0.9)
 """Shares of the probability at which a distribution, or the range of a sample, is tried for its effect."""
 RECEIPT_BYTES, FILE_BYTES = 400, 110
 """Of a receipt, and for each of its files."""
 CHUNK_BYTES, ARRAY_BYTES, GROUP_BYTES = 40, 2500, 4000
 """What a file of numbers takes beyond them, and what describes an array, and the store."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cost:
-    """CPU time on this machine, s."""
-
-    point: float
-    """Of one point without its runs."""
-    run: float
-    """Of one seed, all estimators together."""
-    tried: int
-    """Points that were looked at to find a few valid ones."""
-    invalid: int
-    """Of them, those that are invalid."""
-    reason: str = ""
-    """Why the first of them is invalid; empty if none is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,40 +49,6 @@ class Plan:
     bytes: int
     """On the disk before compression."""
     cost: Cost
-
-
-def warm_up(study: Study) -> None:
-    """Compute one valid point with a few runs: every kernel that the study needs is then compiled, or loaded."""
-    for index in _places(study):
-        if not evaluation.point(study, index, runs=TRIAL_RUNS).reason:
-            return
-
-
-def cost(study: Study) -> Cost:
-    """The CPU time of a point and of a run, medians of a few points."""
-    warm_up(study)
-    point, run, reasons = [], [], _unfit(study)
-    for index in _places(study):
-        began = time.process_time()
-        reason = evaluation.point(study, index, runs=0).reason
-        if reason:
-            reasons[index] = reason
-            continue
-        reasons[index] = ""
-        middle = time.process_time()
-        done = evaluation.point(study, index, runs=TRIAL_RUNS).runs.shape[1]  # of a motion that is cached by now
-        point.append(middle - began)
-        run.append((time.process_time() - middle) / done if done else 0.0)
-        if len(run) == TRIALS:
-            break
-    wrong = [reason for reason in reasons.values() if reason]
-    return Cost(
-        point=float(np.median(point)) if point else 0.0,
-        run=float(np.median(run)) if run else 0.0,
-        tried=len(reasons),
-        invalid=len(wrong),
-        reason=wrong[0] if wrong else "",
-    )
 
 
 def without_effect(study: Study) -> tuple[str, ...]:
@@ -146,34 +91,11 @@ def _same(one: evaluation.PointResult, other: evaluation.PointResult) -> bool:
     return valid and all(np.array_equal(getattr(one, of), getattr(other, of), True) for of in ("point", "runs"))
 
 
-def _unfit(study: Study) -> dict[int, str]:
-    """Why a point is invalid, empty where it is valid as far as its preset shows, where each parameter has its least
-    and its largest value."""
-    reasons = {}
-    for index in _extremes(study):
-        try:
-            study.preset_at(index)
-            reasons[index] = ""
-        except ValueError as error:
-            reasons[index] = shortened(str(error))
-    return reasons
-
-
-def _extremes(study: Study) -> list[int]:
-    """Points at which a parameter has its first or last value in a grid, its least or largest one in a sample."""
-    if isinstance(study.file.design, Grid):
-        middle = [length // 2 for length in study.shape]
-        places = [[*middle[:k], end, *middle[k + 1 :]] for k, n in enumerate(study.shape) for end in (0, n - 1)]
-        return sorted({int(np.ravel_multi_index(place, study.shape)) for place in places})
-    points = [values for values in study.values.values() if values.dtype != object]
-    return sorted({int(k) for values in points for k in (np.argmin(values), np.argmax(values))})
-
-
 def divided(study: Study, of: Cost, *, workers: int = 1) -> Blocks:
     """The parts of a study: some seconds of work each, or fewer if the study is small, for so many workers to share."""
     stop, most = study.file.stop, study.file.most_runs
     usual = most if stop is None else (stop.least * most) ** 0.5  # between the fewest and the most
-    each = max(of.point + of.run * usual, 1e-6)
+    each = max(of.point + of.valid * of.run * usual, 1e-6)
     seconds = min(PART_SECONDS, max(LEAST_SECONDS, each * study.count / MANY))
     points = max(1, int(seconds / each))
     sizes = np.unique(np.linspace(max(1, int(SMALLER * points)), points, SIZES).astype(int)).tolist()
@@ -188,7 +110,7 @@ def divided(study: Study, of: Cost, *, workers: int = 1) -> Blocks:
 
 def plan(study: Study, *, workers: int = 1) -> Plan:
     """What a study will take. It computes a few points, in this process."""
-    return of_cost(study, cost(study), workers=workers)
+    return of_cost(study, trial.cost(study), workers=workers)
 
 
 def of_cost(study: Study, of: Cost, *, workers: int = 1) -> Plan:
@@ -207,12 +129,7 @@ def of_cost(study: Study, of: Cost, *, workers: int = 1) -> Plan:
         runs=runs,
         least_runs=runs if file.stop is None else study.count * file.stop.least,
         parts=parts,
-        seconds=study.count * of.point + runs * of.run,
+        seconds=study.count * of.point + of.valid * runs * of.run,
         bytes=8 * numbers + parts * (RECEIPT_BYTES + files * (FILE_BYTES + CHUNK_BYTES)) + described,
         cost=of,
     )
-
-
-def _places(study: Study) -> list[int]:
-    """Points spread over the study."""
-    return np.unique(np.linspace(0, study.count - 1, TRIED).round().astype(int)).tolist()

@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from rangenav.inputs import require, shortened
 from rangenav.progress import Cancelled, CancelledError, never
-from rangenav.studies import cluster, creation, differences, extra, plan, receipts, store, tasks
+from rangenav.studies import cluster, creation, differences, extra, plan, receipts, store, tasks, trial
 from rangenav.studies.receipts import Receipt
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
@@ -108,7 +108,7 @@ def run(
 def _opened(study: Study, path: Path, workers: int) -> Store:
     """The store of this study, which is made if there is none."""
     if not path.exists():
-        return creation.created(path, study, plan.divided(study, plan.cost(study), workers=max(1, workers)))
+        return creation.created(path, study, plan.divided(study, trial.cost(study), workers=max(1, workers)))
     of = store.opened(path)
     if of.study.digest != study.digest:
         words = f"{of.study.file.title} ({differences.between(of.study, study)})"

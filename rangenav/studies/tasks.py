@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.inputs import require
-from rangenav.studies import evaluation, intervals, plan, store
+from rangenav.studies import evaluation, intervals, store, trial
 from rangenav.studies.evaluation import Block
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.store import Store
@@ -16,7 +16,7 @@ from rangenav.studies.study import Study
 
 def compile_kernels(path: str, digest: str) -> None:
     """Compile the kernels that a study needs into this host's cache, or load them from there."""
-    plan.warm_up(_seen(path, digest).study)
+    trial.warm_up(_seen(path, digest).study)
 
 
 def compute(path: str, digest: str, part: int) -> None:

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from rangenav import field_path, preset
 from rangenav.field_path import value
-from rangenav.studies import blocks, differences, parameters, plan, study, study_file, units
+from rangenav.studies import blocks, differences, parameters, plan, study, study_file, trial, units
 from rangenav.studies.estimators import ESTIMATORS
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Linear, Listed, Log, LogNormal, Normal
-from rangenav.studies.plan import Cost
 from rangenav.studies.study_file import LatinHypercube, Sobol, StudyFile
+from rangenav.studies.trial import Cost
 
 SLOW = preset.load("paper-slow")
 Q, ANCHOR = (
@@ -176,7 +176,7 @@ def test_a_parameter_that_changes_no_metric_is_named_and_no_other():
 
 def test_a_plan_says_why_a_tail_is_invalid():
     tail = Normal(path="sensors.noise.range", mean=0.05, deviation=0.1, count=30)
-    cost = plan.cost(of(tail))
+    cost = trial.cost(of(tail))
     assert cost.invalid > 0
     assert "sensors.noise.range = -" in cost.reason
 
