@@ -26,7 +26,7 @@ import psutil
 from timing import Target, report, versions
 
 from rangenav import ensemble, preset, record
-from rangenav.studies import blocks, cluster, creation, evaluation, plan, running, store, study, trial
+from rangenav.studies import blocks, cluster, creation, evaluation, plan, running, store, study, tally, trial
 from rangenav.studies.parameters import Linear
 from rangenav.studies.study_file import StudyFile
 
@@ -219,7 +219,7 @@ def _memory(path: Path, client: Any) -> list[float]:
     """Resident MB of this program and its workers, after each tenth of 10⁵ runs."""
     taken: dict[int, float] = {}
 
-    def shown(state: running.State) -> None:
+    def shown(state: tally.State) -> None:
         tenth = 10 * state.done // state.parts
         if tenth and tenth not in taken:
             family = [psutil.Process(), *psutil.Process().children(recursive=True)]

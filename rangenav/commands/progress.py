@@ -19,6 +19,8 @@ WIDTH = 12
 """Columns of a bar that has a text behind it."""
 LINE_EVERY, LINES = 30.0, 20
 """s between two lines of a log; after ten minutes, this share of the time so far."""
+Say = Callable[[float | None, str], None]
+"""Takes the share that is done, None for no other one, and a text."""
 
 
 @contextlib.contextmanager
@@ -57,9 +59,8 @@ def counting(task: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextlib.contextmanager
-def describing(task: str) -> Iterator[Callable[[float | None, str], None]]:
-    """The same with a text behind the bar, and in a log: the function given takes the share that is done, None for no
-    other one, and the text."""
+def describing(task: str) -> Iterator[Say]:
+    """The same with a text behind the bar, and in a log."""
     console = _terminal()
     if console is None:
         with _Log(task) as log:

@@ -9,19 +9,20 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from rangenav.commands import study_files
 from rangenav.commands.output import STOPPED, print_json
-from rangenav.commands.progress import describing, working
+from rangenav.commands.progress import Say, describing, working
 from rangenav.commands.study_files import FileName, StoreName
 from rangenav.inputs import require
 from rangenav.progress import CancelledError
 
 if TYPE_CHECKING:
-    from rangenav.studies.running import State
+    from rangenav.studies.study import Study
+    from rangenav.studies.tally import State
 
 TRIAL = "timing a few points (compiles the first time)"
 
@@ -71,7 +72,6 @@ def run(
     from rangenav.commands import study_answers
     from rangenav.commands.text import layout
     from rangenav.commands.text import study as text
-    from rangenav.studies import running
     from rangenav.studies import study as studies
 
     of = studies.load(study)
@@ -79,32 +79,9 @@ def run(
     require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
     require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
     require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")
-    began, last, count = time.monotonic(), [], workers or os.cpu_count() or 1
-    asked, begun = threading.Event(), threading.Event()
-    try:
-        with describing(f"computing {Path(study).stem}") as say:
-            say(0.0, TRIAL)
-
-            def shown(state: "State") -> None:
-                begun.set()
-                last[:] = [state]
-                say(state.done / state.parts, text.progress(state, of.watched, len(of.file.estimators)))
-
-            def stopping() -> None:
-                # Dask's connections end in the middle of a task.
-                logging.getLogger("asyncio").setLevel(logging.CRITICAL)
-                asked.set()
-                say(None, "stopping; the parts that are finished are kept")
-                if not begun.is_set():
-                    raise KeyboardInterrupt
-
-            options = {"workers": count, "scheduler": scheduler, "dashboard": dashboard}
-            with _stoppable(stopping):
-                state = running.run(of, path, **options, shown=shown, cancelled=asked.is_set)
-    except (KeyboardInterrupt, CancelledError):
-        computed = last[0].computed if last else 0
-        print(f"{path}: {running.stopped(path, computed)}", file=sys.stderr)
-        raise SystemExit(STOPPED) from None
+    began = time.monotonic()
+    options = {"workers": workers or os.cpu_count() or 1, "scheduler": scheduler, "dashboard": dashboard}
+    state = _computed(of, path, task=f"computing {Path(study).stem}", **options)
     answer = study_answers.run_report(of, state, store=path, seconds=time.monotonic() - began)
     return print_json(answer) if json else layout.show(text.computed(answer))
 
@@ -144,6 +121,42 @@ def study(action: Action) -> None:
     Args:
         action: What to do.
     """
+
+
+def _computed(of: "Study", path: Path, *, task: str, **options: Any) -> "State":
+    """Compute a study into a store, and show how far it is; a stop ends the program with what is kept."""
+    from rangenav.studies import running
+
+    last: list[State] = []
+    asked = threading.Event()
+    try:
+        with describing(task) as say:
+            say(0.0, TRIAL)
+            shown = _shown(of, say, last)
+
+            def stopping() -> None:
+                logging.getLogger("asyncio").setLevel(logging.CRITICAL)  # dask's connections end within a task
+                asked.set()
+                say(None, "stopping; the parts that are finished are kept")
+                if not last:
+                    raise KeyboardInterrupt
+
+            with _stoppable(stopping):
+                return running.run(of, path, **options, shown=shown, cancelled=asked.is_set)
+    except (KeyboardInterrupt, CancelledError):
+        print(f"{path}: {running.stopped(path, last[0].computed if last else 0)}", file=sys.stderr)
+        raise SystemExit(STOPPED) from None
+
+
+def _shown(of: "Study", say: Say, last: "list[State]") -> "Callable[[State], None]":
+    """What says how far a study is, and keeps the last state in a list."""
+    from rangenav.commands.text import study as text
+
+    def shown(state: "State") -> None:
+        last[:] = [state]
+        say(state.done / state.parts, text.progress(state, of.watched, len(of.file.estimators)))
+
+    return shown
 
 
 @contextmanager

@@ -7,10 +7,10 @@ from rangenav.studies import requirements
 from rangenav.studies import summary as summaries
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.plan import Plan
-from rangenav.studies.running import State
 from rangenav.studies.store import Store
 from rangenav.studies.study import Study
 from rangenav.studies.summary import Extremes
+from rangenav.studies.tally import State
 
 
 def plan_report(

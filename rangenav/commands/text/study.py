@@ -8,7 +8,7 @@ from rangenav.commands.text.verdict import Json
 from rangenav.number_format import percent, significant
 
 if TYPE_CHECKING:
-    from rangenav.studies.running import State
+    from rangenav.studies.tally import State
 
 MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 SIZES = ("B", "kB", "MB", "GB", "TB")
