@@ -78,16 +78,22 @@ def prove(
     range_sigma: float,
     range_rate: float,
     arriving: float = 1.0,
+    *,
+    compiled: bool = False,
 ) -> Proof:
     """The worst windows among all; each part is cached by its own inputs. Certificates take them from here.
 
+    compiled: σ by compiled code, which is worth its loading for a program that judges many motions. Never for a
+    certificate: its last digits shall not depend on the program that issues it.
     Within `progress.stopping` it raises CancelledError as soon as it is no longer wanted.
     """
     window = requirement.window
     stop_if_unwanted()
     excited = worst_excitation(path, window, duration, requirement.mu)
     rank = worst_rank(path, world, duration, window)
-    worst = worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving)
+    worst = worst_accuracy(
+        path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving, compiled=compiled
+    )
     return Proof(
         excitation=excited,
         rank=rank,

@@ -133,7 +133,9 @@ class Picture:
             raise CancelledError
         with stopping(cancelled):
             kept = slower.keeps_limits(self.motion, self.preset)
-            return replace(self, analysis=analyse(self.preset), slower=1.0 if kept else slower.factor(self.settings))
+            return replace(
+                self, analysis=analyse(self.preset, compiled=True), slower=1.0 if kept else slower.factor(self.settings)
+            )
 
 
 def compute(settings: Settings) -> Picture:

@@ -32,7 +32,7 @@ def document(settings: Settings) -> bytes:
 def as_it_became(chosen: Preset) -> Preset:
     """A preset that is observable expects so. One that was drawn from a blind preset would break the promise of that
     one, and tell its story."""
-    if chosen.expect == "observable" or analysis.analyse(chosen).verdict.word != "observable":
+    if chosen.expect == "observable" or analysis.analyse(chosen, compiled=True).verdict.word != "observable":
         return chosen
     return msgspec.structs.replace(chosen, expect="observable", story="")
 
@@ -41,7 +41,7 @@ def verdict_comments(shown: Preset) -> str:
     """Comment lines with the verdict and its figures; they contain no text of the preset.
 
     For an imported curve that jumps, or whose snap comes from a fit, they state that nothing is judged."""
-    motion_analysis, requirement = analysis.analyse(shown), shown.requirement
+    motion_analysis, requirement = analysis.analyse(shown, compiled=True), shown.requirement
     if not motion_analysis.verdict.judged:
         return UNJUDGED
     met, windows = _excited(motion_analysis, requirement.mu)

@@ -19,7 +19,7 @@ from rangenav.motion_analysis import (
     farthest_from_anchor,
     sampled_windows,
 )
-from rangenav.observability import accuracy, every_range_window, excitation, joined_triangles, undetermined
+from rangenav.observability import accuracy, every_range_window, excitation, undetermined
 from rangenav.observability.every_range_window import RangeWindows
 from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset, Requirement
@@ -32,9 +32,9 @@ CACHED = 8
 """Cached analyses: enough for undo and for A/B, few enough for many visitors."""
 
 
-def analyse(preset: Preset) -> Analysis:
-    """Analyse a preset over its own window: the worst of all windows."""
-    return _proven(*arguments(preset), preset.source)
+def analyse(preset: Preset, *, compiled: bool = False) -> Analysis:
+    """Analyse a preset over its own window: the worst of all windows. compiled: see `analysis`; equal to rounding."""
+    return _proven(*arguments(preset), preset.source, compiled=compiled)
 
 
 def sampled(preset: Preset, windows: int = WINDOWS) -> Analysis:
@@ -68,9 +68,7 @@ def analysis(
     ranges = Ranges(sigma=range_sigma, rate=range_rate, share=arriving)
     windows = sampled_windows(path, world, duration, window, ranges, count, compiled=compiled)
     lifted, k, worst = windows.lifted, windows.lifted.worst, windows.lifted.worst_spectrum
-    if compiled:
-        joined_triangles.load()
-    found = _worst_held(path, world, duration, window, ranges, lifted)
+    found = _worst_held(path, world, duration, window, ranges, lifted, compiled=compiled)
     first, last = found.first, found.last
     of = accuracy.of_held(
         path, world, found.at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
@@ -112,14 +110,21 @@ def analysis(
 
 
 def _worst_held(
-    path: Signal, world: World, duration: float, window: float, ranges: Ranges, lifted: MotionAnalysis
+    path: Signal,
+    world: World,
+    duration: float,
+    window: float,
+    ranges: Ranges,
+    lifted: MotionAnalysis,
+    *,
+    compiled: bool,
 ) -> RangeWindows:
     """The worst window for the position by the ranges that windows hold; of a blind motion the window of least rank."""
     start = float(lifted.start[lifted.worst])
     if lifted.rank < STATES and not lifted.rounded:
         return every_range_window.held(start, window, rate=ranges.rate)
     return every_range_window.likely_worst(
-        path, world, duration, window, sigma=ranges.sigma, rate=ranges.rate, share=ranges.share
+        path, world, duration, window, sigma=ranges.sigma, rate=ranges.rate, share=ranges.share, compiled=compiled
     )
 
 
@@ -133,17 +138,19 @@ def _proven(
     range_rate: float,
     arriving: float,
     source: Source | None,
+    *,
+    compiled: bool,
 ) -> Analysis:
     """The analysis by the worst of all windows; the sampled ones are kept for curves."""
     window = requirement.window
     ranges = Ranges(sigma=range_sigma, rate=range_rate, share=arriving)
-    proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving)
+    proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving, compiled=compiled)
     excited, rank, worst, held = proof.excitation, proof.rank, proof.accuracy, proof.accuracy.windows
     values = excitation.eigenvalues(path, np.array([excited.at]), window)[0]
     farthest = farthest_from_anchor(path, world, duration)
     return Analysis(
         proof=proof,
-        windows=sampled_windows(path, world, duration, window, ranges),
+        windows=sampled_windows(path, world, duration, window, ranges, compiled=compiled),
         mu=float(values[0]),
         mu_at=excited.at,
         excitation=values,

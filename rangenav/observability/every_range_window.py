@@ -63,18 +63,36 @@ class RangeWindows:
 
 
 def worst(
-    path: Signal, world: World, duration: float, window: float, *, sigma: float, rate: float, share: float = 1.0
+    path: Signal,
+    world: World,
+    duration: float,
+    window: float,
+    *,
+    sigma: float,
+    rate: float,
+    share: float = 1.0,
+    compiled: bool = False,
 ) -> RangeWindows:
     """The worst window of a flight (s) with ranges of noise sigma (m) at k/rate (Hz), from 0 to its end.
 
     With a share of the ranges lost at random, σ is that of the expected information. Without noise σ is 0 where the
-    position is determined. Raises ValueError as `windows.checked_one` does, and for a window longer than the flight.
+    position is determined. compiled: see `joined_triangles`.
+    Raises ValueError as `windows.checked_one` does, and for a window longer than the flight.
     """
-    return _exact(sigma, _search(*_checked(path, world, duration, window, sigma=sigma, rate=rate, share=share)))
+    checked = _checked(path, world, duration, window, sigma=sigma, rate=rate, share=share, compiled=compiled)
+    return _exact(sigma, _search(*checked))
 
 
 def _checked(
-    path: Signal, world: World, duration: float, window: float, *, sigma: float, rate: float, share: float
+    path: Signal,
+    world: World,
+    duration: float,
+    window: float,
+    *,
+    sigma: float,
+    rate: float,
+    share: float,
+    compiled: bool,
 ) -> tuple[Ranging, float]:
     """What is searched, and the start (s) of the last window."""
     _, window = windows.checked_one(path, 0.0, window)
@@ -82,7 +100,9 @@ def _checked(
     require(rate > 0, f"rate must be positive, got {rate:g} Hz")
     require(window <= duration, f"window must be no longer than the flight, {duration:g} s, got {window:g} s")
     count, noise = math.floor(duration * rate + SAME) + 1, sigma if sigma > 0 else 1.0
-    ranging = Ranging(path=path, world=world, window=window, rate=rate, noise=noise, share=share, count=count)
+    ranging = Ranging(
+        path=path, world=world, window=window, rate=rate, noise=noise, share=share, count=count, compiled=compiled
+    )
     return ranging, duration - window
 
 
@@ -98,13 +118,21 @@ def held(start: float, window: float, *, rate: float) -> RangeWindows:
 
 
 def likely_worst(
-    path: Signal, world: World, duration: float, window: float, *, sigma: float, rate: float, share: float = 1.0
+    path: Signal,
+    world: World,
+    duration: float,
+    window: float,
+    *,
+    sigma: float,
+    rate: float,
+    share: float = 1.0,
+    compiled: bool = False,
 ) -> RangeWindows:
     """As `worst`, of fewer windows: of every fourth that ends just before a range, and of those around the worst three.
 
     Such a window holds the fewest ranges, and its last range lies longest before its end. Its `bound` is its sigma.
     """
-    ranging, end = _checked(path, world, duration, window, sigma=sigma, rate=rate, share=share)
+    ranging, end = _checked(path, world, duration, window, sigma=sigma, rate=rate, share=share, compiled=compiled)
     single = _stretches(ranging, end, 1)
     held = single.last - single.first + 1
     few = single.some(held == held.min())

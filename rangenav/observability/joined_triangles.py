@@ -2,11 +2,10 @@
 
     R of rows A and B = R of [R_A; R_B]
 LAPACK takes most of its time for each call. Loading the compiled code takes as long as LAPACK takes for 20 flights, so
-a program that judges one motion does without it: it is used where it is loaded, and both agree to rounding.
+a program that judges one motion does without it. Both agree to rounding.
 """
 
 import math
-import sys
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -14,23 +13,14 @@ from numpy import ndarray as Array
 
 from rangenav.progress import stop_if_unwanted
 
-KERNELS = "rangenav.kernels.triangles"
 
-
-def load() -> None:
-    """Load the compiled code: for a program that judges many motions, and for results that are equal to the last bit
-    in all its processes."""
-    from rangenav.kernels import triangles
-
-    assert triangles.__name__ == KERNELS
-
-
-def grown(rows: Float[Array, "p k n"], size: int) -> Array:
+def grown(rows: Float[Array, "p k n"], size: int, *, compiled: bool) -> Array:
     """R of none, of the first, of the first two … blocks of so many rows of each list, as `joined` takes it."""
     stop_if_unwanted()
     p, k, n = rows.shape
-    kernels = sys.modules.get(KERNELS)
-    if kernels is not None:
+    if compiled:
+        from rangenav.kernels import triangles as kernels
+
         packed = np.empty((p, k // size + 1, n * (n + 1) // 2))
         kernels.grow(rows.copy(), size, packed)
         return packed
@@ -48,17 +38,20 @@ def joined(
     """R of the rows of the list `own` in the first i blocks of one, and in the first j of another, for each window."""
     if one.ndim == 4:
         return np.asarray(np.linalg.qr(np.concatenate([one[own, i], other[own, j]], axis=1), mode="r"))
+    from rangenav.kernels import triangles as kernels
+
     n = math.isqrt(2 * one.shape[-1])
     result = np.empty((len(own), n, n))
-    sys.modules[KERNELS].join(one, i, other, j, own, result)
+    kernels.join(one, i, other, j, own, result)
     return result
 
 
-def inverses(triangle: Float[Array, "w n n"]) -> Float[Array, "w n n"]:
+def inverses(triangle: Float[Array, "w n n"], *, compiled: bool) -> Float[Array, "w n n"]:
     """The inverse of each upper triangle; not finite where one is singular."""
-    kernels = sys.modules.get(KERNELS)
     result = np.full(triangle.shape, np.nan)
-    if kernels is not None:
+    if compiled:
+        from rangenav.kernels import triangles as kernels
+
         kernels.invert(np.ascontiguousarray(triangle), result)
         return result
     regular = (np.diagonal(triangle, axis1=1, axis2=2) != 0).all(axis=1)

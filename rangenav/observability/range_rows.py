@@ -46,7 +46,12 @@ def columns(
 
 
 def errors(
-    triangle: Float[Array, "w 13 13"], size: Float[Array, "w 9"], margin: float, *, clear: float = CLEAR
+    triangle: Float[Array, "w 13 13"],
+    size: Float[Array, "w 9"],
+    margin: float,
+    *,
+    clear: float = CLEAR,
+    compiled: bool = False,
 ) -> tuple[Float[Array, "w 9 9"], Float[Array, "w"], Bool[Array, "w"]]:
     """R₂₂⁻¹ of each window, whose rows are the errors (m) of p, Tv and T²g; its relative rounding; and whether it is.
 
@@ -57,7 +62,7 @@ def errors(
     left = triangle[:, CUBIC:, CUBIC:]
     columns = np.sqrt(np.einsum("wij,wij->wj", triangle[..., CUBIC:], triangle[..., CUBIC:]))
     floor = margin * ROUNDING * np.maximum(np.abs(triangle[:, 0, :1]) * size, columns)
-    inverse, some = joined_triangles.inverses(left), floor.min(axis=1) > 0
+    inverse, some = joined_triangles.inverses(left, compiled=compiled), floor.min(axis=1) > 0
     with np.errstate(invalid="ignore", over="ignore"):
         loss = np.sqrt(np.einsum("wij,wij,wi->w", inverse, inverse, floor**2))
     determined = some & (loss < clear)

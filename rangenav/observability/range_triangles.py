@@ -51,6 +51,8 @@ class Ranging:
     share: float
     count: int
     """Ranges in the flight."""
+    compiled: bool = False
+    """By compiled code: see `joined_triangles`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +125,8 @@ class _Grown:
         self._reference = stamp / ranging.rate
         rows, self._size = _rows(ranging, index, self._reference, ranging.window)
         middle = before * each
-        self._backward = joined_triangles.grown(rows[:, middle - 1 :: -1], each)
-        self._forward = joined_triangles.grown(rows[:, middle:], each)
+        self._backward = joined_triangles.grown(rows[:, middle - 1 :: -1], each, compiled=ranging.compiled)
+        self._forward = joined_triangles.grown(rows[:, middle:], each, compiled=ranging.compiled)
 
     def greatest(self, every: int) -> tuple[Float[Array, "i"], Float[Array, "i"], Float[Array, "i"]]:
         """As `greatest`, infinite where σ is undetermined; and by which share it is rounded."""
@@ -145,7 +147,7 @@ class _Grown:
         stretches, pivot, own = self._stretches.some(chosen), self._pivot[chosen], self._own[chosen]
         back, ahead = pivot - stretches.first + 1, stretches.last - pivot
         both, unit = joined_triangles.joined(self._backward, back, self._forward, ahead, own), self._ranging.window
-        errors = range_rows.errors(both, self._size[own], UNEVEN, clear=clear)
+        errors = range_rows.errors(both, self._size[own], UNEVEN, clear=clear, compiled=self._ranging.compiled)
         value, at = _of_errors(self._ranging, stretches, errors, self._reference[own], unit)
         return value, at, errors[1]
 

@@ -50,17 +50,17 @@ def shortest_windows(
     `share` is the share of the ranges that arrive. Raises ValueError for a rate that is not positive.
     """
     require(rate > 0, f"rate must be positive, got {rate:g} Hz")
-    with_ranges = {"sigma": sigma, "rate": rate, "share": share}
 
     def first_holds(length: float) -> bool:
         last = math.floor(length * rate + ROUNDING)
         if last + 1 < STATES:
             return False
-        of = accuracy.of_held(path, world, 0.0, length, first=0, last=last, **with_ranges)
+        of = accuracy.of_held(path, world, 0.0, length, first=0, last=last, rate=rate, sigma=sigma, share=share)
         return of.lifted_end.position <= position_sigma
 
     def every_holds(length: float) -> bool:
-        return every_range_window.worst(path, world, duration, length, **with_ranges).bound <= position_sigma
+        found = every_range_window.worst(path, world, duration, length, sigma=sigma, rate=rate, share=share)
+        return found.bound <= position_sigma
 
     least = min(first_length(rate), duration)
     if not every_holds(duration):

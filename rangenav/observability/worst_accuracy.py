@@ -33,13 +33,23 @@ class WorstAccuracy(HasAccuracies):
 
 @lru_cache(maxsize=CACHED)
 def worst_accuracy(
-    path: Signal, world: World, duration: float, window: float, *, sigma: float, rate: float, share: float = 1.0
+    path: Signal,
+    world: World,
+    duration: float,
+    window: float,
+    *,
+    sigma: float,
+    rate: float,
+    share: float = 1.0,
+    compiled: bool = False,
 ) -> WorstAccuracy:
     """The worst window of a flight (s), from ranges of noise sigma (m) at `rate` (Hz) of which a share arrives.
 
-    Raises ValueError as `every_range_window.worst` does.
+    compiled: see `joined_triangles`. Raises ValueError as `every_range_window.worst` does.
     """
-    found = every_range_window.worst(path, world, duration, window, sigma=sigma, rate=rate, share=share)
+    found = every_range_window.worst(
+        path, world, duration, window, sigma=sigma, rate=rate, share=share, compiled=compiled
+    )
     of = accuracy.of_held(
         path, world, found.at, window, first=found.first, last=found.last, rate=rate, sigma=sigma, share=share
     )

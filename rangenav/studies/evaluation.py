@@ -14,7 +14,6 @@ from numpy import ndarray as Array
 from rangenav import analysis, record
 from rangenav.inputs import shortened
 from rangenav.motion import DirectionWarning
-from rangenav.observability import joined_triangles
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, CancelledError, never, stopping
 from rangenav.record import Truth
@@ -108,12 +107,11 @@ def _of_motion(study: Study, preset: Preset) -> tuple[Float[Array, "m"], Truth |
     if "motion" in wanted and truth is not None:
         _fill(values, rows, "motion", flight(truth.motion, preset))
     if wanted & {"analysis", "verdict"}:
-        joined_triangles.load()  # in every worker, so that the store is the same to the last bit
         every = study.file.every_window
-        of = analysis.analyse(preset) if every else analysis.sampled(preset, study.file.windows)
+        of = analysis.analyse(preset, compiled=True) if every else analysis.sampled(preset, study.file.windows)
         _fill(values, rows, "analysis", of)
         sure = every or "verdict" not in wanted or of.verdict.word != OBSERVABLE  # no window is better than the worst
-        _fill(values, rows, "verdict", of if sure else analysis.analyse(preset))
+        _fill(values, rows, "verdict", of if sure else analysis.analyse(preset, compiled=True))
     return values, truth
 
 

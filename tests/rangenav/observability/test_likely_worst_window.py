@@ -76,16 +76,14 @@ def test_of_a_blind_motion_it_is_the_window_of_least_rank():
     assert seen.verdict.word == "blind"
 
 
-def test_compiled_and_lapack_find_the_same_windows(monkeypatch: pytest.MonkeyPatch):
+def test_compiled_and_lapack_find_the_same_windows():
     path, world, duration, requirement, sigma, rate, share = arguments(preset.load("lissajous"))
-
-    def found() -> every_range_window.RangeWindows:
-        return every_range_window.worst(path, world, duration, requirement.window, sigma=sigma, rate=rate, share=share)
-
-    joined_triangles.load()
-    compiled = found()
-    monkeypatch.setattr(joined_triangles, "KERNELS", "nothing that is loaded")
-    by_lapack = found()
+    compiled, by_lapack = (
+        every_range_window.worst(
+            path, world, duration, requirement.window, sigma=sigma, rate=rate, share=share, compiled=compiled
+        )
+        for compiled in (True, False)
+    )
     assert (compiled.at, compiled.first, compiled.last) == (by_lapack.at, by_lapack.first, by_lapack.last)
     assert compiled.sigma == pytest.approx(by_lapack.sigma, rel=1e-8)
 
@@ -95,8 +93,7 @@ def test_triangles_that_are_grown_and_joined_are_those_of_all_rows(blocks: int, 
     size += 1
     rows = np.random.default_rng(seed).standard_normal((2, blocks * size, 5))
     rows[1, : 2 * size] = 0.0  # ranges outside the flight
-    joined_triangles.load()
-    parts = joined_triangles.grown(rows, size)
+    parts = joined_triangles.grown(rows, size, compiled=True)
     i, j, own = np.array([blocks, 0, blocks]), np.array([0, blocks, blocks // 2]), np.array([0, 1, 0])
     for R, i_, j_, p in zip(joined_triangles.joined(parts, i, parts, j, own), i, j, own, strict=True):
         every = np.concatenate([rows[p, : i_ * size], rows[p, : j_ * size]])
@@ -107,7 +104,6 @@ def test_triangles_that_are_grown_and_joined_are_those_of_all_rows(blocks: int, 
 def test_inverses_of_triangles_are_inverses_and_of_singular_ones_not_finite():
     R = np.triu(np.random.default_rng(0).standard_normal((4, 9, 9))) + 3 * np.eye(9)
     R[3, 4, 4] = 0.0
-    joined_triangles.load()
-    inverse = joined_triangles.inverses(R)
+    inverse = joined_triangles.inverses(R, compiled=True)
     np.testing.assert_allclose(R[:3] @ inverse[:3], np.tile(np.eye(9), (3, 1, 1)), atol=1e-12)
     assert not np.isfinite(inverse[3]).all()
