@@ -54,11 +54,11 @@ class AttitudeGains(Input, frozen=True, kw_only=True):
     """k1 scales the whole correction; rho1 weighs the magnetometer, rho2 the estimated gravity."""
 
     k1: float = 4.0
-    """1/s for unit vectors; under a schedule its upper end."""
+    """1/s, for unit vectors; under a schedule its upper end."""
     rho1: float = 1.0
     rho2: float = 0.01
-    """Multiplies |g|² ≈ 96: with about 1/|g|² gravity weighs as much as the unit magnetic vector; 1 is stiff at low
-    rates."""
+    """s⁴/m²; multiplies |g|² ≈ 96: with about 1/|g|² gravity weighs as much as the unit magnetic vector; 1 is stiff at
+    low rates."""
     schedule: Schedule | None = None
     """None: k1 is constant, as in the paper."""
 

@@ -47,7 +47,7 @@ class Requirement(Input, frozen=True, kw_only=True):
     """What the motion must reach on every window."""
 
     window: float = 6.0
-    """δ (s), of the excitation, the Gramian and the predicted accuracy."""
+    """s, δ of the excitation, the Gramian and the predicted accuracy."""
     mu: float = 1.0
     """m²/s⁷: the least eigenvalue of ∫ p⁗ p⁗ᵀ over a window."""
     position_sigma: float = 0.5
@@ -73,7 +73,7 @@ class Preset(Input, frozen=True, kw_only=True):
     """s"""
     seed: int = 0
     initial_rotation: Vec3 = (0.0, 0.0, 0.0)
-    """R(0) as a rotation vector (rad)."""
+    """rad: R(0) as a rotation vector."""
     path: Signal
     """m, inertial frame."""
     angular_velocity: AngularVelocity

@@ -24,7 +24,9 @@ WIDTH = 110
 """Characters of a line."""
 LONGEST = 60
 """Characters of a text that is shown."""
-UNIT = re.compile(r"(?:1/s|Hz|(?:m|s|rad|\(rad/s\)|\(m/s²\))[²³⁴⁷]?(?:/(?:s|Hz)(?:[²³⁴⁷]|\^[\d.]+)?)?)(?=[,.:;]|$)")
+UNIT = re.compile(
+    r"(?:1/s|1/\(m⁴ s\)|s⁴/m²|Hz|(?:m|s|rad|\(rad/s\)|\(m/s²\))[²³⁴⁷]?(?:/(?:s|Hz)(?:[²³⁴⁷]|\^[\d.]+)?)?)(?=[,.:;]|$)"
+)
 """What the docstring under a field begins with, if it begins with a unit."""
 
 

@@ -39,11 +39,11 @@ class Vehicle(Input, frozen=True, kw_only=True, omit_defaults=True):
     body_rate: float | None = None
     """rad/s"""
     height_min: float | None = None
-    """m above the origin of the inertial frame, against gravity: the floor."""
+    """m, above the origin of the inertial frame, against gravity: the floor."""
     height_max: float | None = None
-    """m above the origin of the inertial frame: the ceiling."""
+    """m, above the origin of the inertial frame: the ceiling."""
     anchor_distance_min: float | None = None
-    """m to be kept from the anchor."""
+    """m, to be kept from the anchor."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

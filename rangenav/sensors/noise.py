@@ -30,13 +30,13 @@ class Noise(Input, frozen=True, kw_only=True):
     """
 
     gyro: float = 0.01
-    """rad/s per sample, or rad/s/√Hz."""
+    """rad/s, per sample; or rad/s/√Hz."""
     accel: float = 0.1
-    """m/s² per sample, or m/s²/√Hz."""
+    """m/s², per sample; or m/s²/√Hz."""
     mag: float = 0.1
     """Per sample; the measured vector has unit length."""
     range: float = 0.1
-    """m per sample."""
+    """m, per sample."""
     imu_unit: Unit = "sample"
     """The unit of gyro and accel. A density stays the same when the IMU's rate changes. Mag and range have no such
     choice, because their data sheets give the deviation of a reading."""

@@ -11,8 +11,11 @@ class Sensors(Input, frozen=True, kw_only=True):
     """Rates in Hz, the noise, and the effects that the paper does not model."""
 
     imu_rate: float = 200.0
+    """Hz"""
     mag_rate: float = 200.0
+    """Hz"""
     range_rate: float = 50.0
+    """Hz"""
     noise: Noise = Noise()
     unmodelled: Effects = MODELLED
 

@@ -58,7 +58,7 @@ class Timed(PiecewiseFamily, frozen=True, kw_only=True, omit_defaults=True):
     points: tuple[Waypoint, ...]
     """At least two, at strictly increasing times."""
     period: float | None = None  # pyright: ignore[reportIncompatibleMethodOverride]
-    """s from the first point until it is reached again; None for a path that ends, and holds still before and after."""
+    """s, from the first point until it is reached again; None for a path that ends; it holds still before and after."""
     free_ends: bool = False
     """Whether the curve may be in motion at its first and last point; without this it is at rest there."""
     degree: ClassVar[int]

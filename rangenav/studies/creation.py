@@ -99,8 +99,9 @@ def _coordinates(study: Study) -> Iterator[tuple[str, tuple[str, ...], Any, dict
         of = study.parameter(name)
         title = parameters.DERIVED.get(of.path, of.path)
         attributes = {"long_name": title, "path": of.path, "scale": parameters.scale(of)}
-        if values.dtype != object:
-            attributes["units"] = units.of(of, next(iter(study.bases))) or "1"
+        unit = units.of(of, next(iter(study.bases)))
+        if values.dtype != object and unit is not None:  # CF: "1" is a number without dimension
+            attributes["units"] = unit or "1"
         yield name, ((name,) if name in study.dimensions else ("point",)), values, attributes
     if study.file.run_metrics:
         titles = [ESTIMATORS[name].title for name in study.file.estimators]

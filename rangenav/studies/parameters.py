@@ -13,6 +13,7 @@ from jaxtyping import Float, Shaped
 from numpy import ndarray as Array
 from scipy.special import ndtri
 
+from rangenav.field_path import COMPONENTS
 from rangenav.inputs import Input, require
 
 MAX_VALUES = 100_000
@@ -46,6 +47,12 @@ class _Parameter(Input, frozen=True, kw_only=True):
     def dimension(self) -> str:
         """The name of its dimension."""
         return self.name or self.path.replace(".", "_").replace("-", "_")
+
+    @property
+    def place(self) -> tuple[str, ...]:
+        """The path without its spelling: two parameters of one place vary one number, such as world.anchor.x and
+        world.anchor.1."""
+        return tuple(_numbered(part) for part in self.path.split("."))
 
 
 class _Given(_Parameter, frozen=True, kw_only=True):
@@ -196,6 +203,13 @@ Scale = Literal["linear", "log"]
 def scale(parameter: Parameter) -> Scale:
     """The scale of an axis on which the values are evenly spaced."""
     return "log" if isinstance(parameter, Log | LogNormal) else "linear"
+
+
+def _numbered(part: str) -> str:
+    """An entry's number from 1, without leading zeros; a name as it is. x, y and z are the entries 1, 2 and 3."""
+    if part in COMPONENTS:
+        return str(COMPONENTS[part] + 1)
+    return str(int(part)) if part.isdecimal() else part
 
 
 def _refuse_count(count: int, words: str) -> None:

@@ -1,5 +1,7 @@
 """A study's file names its points, their presets and their seeds; what does not fit is refused with its field."""
 
+import contextlib
+import re
 from pathlib import Path
 from typing import get_args
 
@@ -90,6 +92,44 @@ def test_the_unit_of_a_parameter_is_that_of_its_field():
     assert found == ["m", "s", "rad/s", "", "rad"]
 
 
+UNITS = {
+    "gains.riccati.q": "1/(m⁴ s)",
+    "gains.attitude.k1": "1/s",
+    "gains.attitude.rho2": "s⁴/m²",
+    "sensors.range_rate": "Hz",
+    "gains.riccati.p0.velocity": "m²/s²",
+    "gains.riccati.v.gravity": "m²/s⁵",
+    "path.tones.1.amplitude": "m",
+    "path.drift.x": "m/s",
+    "angular_velocity.tones.1.amplitude": "rad/s",
+    "angular_velocity.drift.x": "rad/s²",
+    "gains.riccati.v.xi": None,
+}
+"""By hand: K = P𝒞ᵀQ is applied to ½d² (m²) and P(p) is in m², so Q is in 1/(m⁴ s); σ = … + ρ2 g × ĝ has no unit."""
+
+
+def test_the_unit_of_a_parameter_is_the_one_that_its_equation_gives_it_and_a_density_says_so():
+    circle = preset.load("circle")
+    assert {path: units.of(Listed(path=path, values=(1.0,)), circle) for path in UNITS} == UNITS
+    noise = Listed(path="sensors.noise.gyro", values=(1.0,))
+    dense = msgspec.structs.replace(SLOW.sensors.noise, imu_unit="density")
+    dense = msgspec.structs.replace(SLOW, sensors=msgspec.structs.replace(SLOW.sensors, noise=dense))
+    assert [units.of(noise, one) for one in (SLOW, dense)] == ["rad/s", "rad/s/√Hz"]
+
+
+def test_every_number_of_every_shipped_preset_has_a_unit_or_is_one_of_the_few_that_have_several():
+    several = re.compile(r"version|gains\.riccati\.(v|p0)\.xi")
+    without = set()
+    for file in preset.shipped_files():
+        one = preset.load(file.stem)
+        for path in {re.sub(r"\.\d+\.", ".1.", path) for path in field_path.paths(one)} - {"seed"}:
+            with contextlib.suppress(ValueError):  # words
+                field_path.value(one, path)
+                if units.of(Listed(path=path, values=(1.0,)), one) is None:
+                    without.add(path)
+    assert {path for path in without if not several.fullmatch(path)} == set()
+
+
 def test_a_file_is_written_and_read_without_loss():
     file = of(Q, ANCHOR, runs=8).file
     assert study_file.loads(study_file.dumps(file), source="x") == file
@@ -106,6 +146,10 @@ BROKEN = {
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 8': "a sample needs one parameter or more",
 }
 PARAMETER = 'metrics = ["mu"]\n[[parameters]]\nkind = "linear"\n'
+VALUES = "low = 1\nhigh = 2\ncount = 2\n"
+AGAIN = (
+    f'{PARAMETER}path = "world.anchor.x"\n{VALUES}[[parameters]]\nkind = "linear"\npath = "{{}}"\nname = "b"\n{VALUES}'
+)
 BROKEN |= {
     PARAMETER + 'path = "gains.k9"\nlow = 0\nhigh = 1\ncount = 2': "parameters.1: path gains.k9: there is no k9",
     PARAMETER + 'path = "world.anchor.0"\nlow = 0\nhigh = 1\ncount = 2': "0 must lie between 1 and 3, or be x, y or z",
@@ -127,6 +171,11 @@ BROKEN |= {
     PARAMETER.replace("linear", "choices") + 'path = "gains.riccati.q"\nvalues = ["a"]': 'a number; kind = "list"',
     'metrics = ["mu"]\npreset = "paper-slow"': "no key is named preset; did you mean presets",
     'metrics = ["mu"]\npresets = ["mine"]': 'to use the file beside this one, write "mine.toml"',
+    AGAIN.format("world.anchor.x"): "parameters.2: path world.anchor.x is varied by parameters.1 already; give",
+    AGAIN.format("world.anchor.1"): "world.anchor.1 is varied by parameters.1 already, as world.anchor.x",
+    AGAIN.format("world.anchor.01"): "world.anchor.01 is varied by parameters.1 already, as world.anchor.x",
+    AGAIN.replace("world.anchor.x", "path.tones.1.phase").format("path.tones.x.phase"): "is varied by parameters.1",
+    AGAIN.replace("world.anchor.x", "size").format("size"): "parameters.2: path size is varied by parameters.1 already",
     PARAMETER + 'path = "size"\nname = "runs"\nlow = 1\nhigh = 2\ncount = 2': "name must not be runs",
 }
 
