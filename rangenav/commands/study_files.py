@@ -85,7 +85,7 @@ def copy(study: FileName, *, output: Toml, overwrite: bool = False, json: bool =
 
 def preset(
     store: StoreName,
-    point: tyro.conf.Positional[int],
+    point: Annotated[tyro.conf.Positional[int], tyro.conf.arg(metavar="POINT")],
     *,
     output: Toml,
     overwrite: bool = False,

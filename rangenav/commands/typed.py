@@ -4,6 +4,7 @@ Exit 0: done. Exit 1: a check failed. Exit 2: bad input, one line that names fil
 """
 
 import contextlib
+import difflib
 import io
 import os
 import shlex
@@ -22,6 +23,8 @@ from rangenav.motion import DirectionWarning
 PROGRAM = "rangenav"
 COLUMNS_FLAG = "--columns"
 """The option that several questions have."""
+MISSING, REQUIRED, UNKNOWN = "Missing from", "(required)", "Unrecognized options:"
+"""Words of the parser."""
 IN_ONE = "in one command, with the suggested answers:"
 """Before the command that answers several questions."""
 
@@ -74,6 +77,7 @@ def run_command() -> None:
     """Run the command that was typed; whatever goes wrong is one line on stderr and an exit code."""
     messages = io.StringIO()
     try:
+        _refuse_unknown()
         with said_on_stderr(), contextlib.redirect_stderr(messages), numbers.registry:
             _parser().cli(prog=PROGRAM, args=joined(sys.argv[1:]))
             sys.stdout.flush()
@@ -148,14 +152,44 @@ def said_on_stderr() -> Iterator[None]:
 
 def usage_error(box: str) -> str:
     """The first paragraph of the parser's framed message, as one line."""
-    lines = [line.strip("│╭╰╮╯─ \n") for line in box.splitlines()]
+    lines = [line.lstrip("│╭╰").rstrip("│╮╯─ \n") for line in box.splitlines()]
     paragraph: list[str] = []
     for line in lines[1:]:
-        if line.strip("-"):  # a terminal without box characters draws its rules with hyphens
-            paragraph.append(line)
+        if line.strip("-─ "):  # a terminal without box characters draws its rules with hyphens
+            paragraph.append(line.lstrip("| ") if not paragraph else line.removeprefix("|"))
         elif paragraph:
             break
-    return " ".join(paragraph).strip() + f" (see {' '.join([PROGRAM, *_named()])} --help)"
+    first = paragraph[0].strip() if paragraph else ""
+    said = _missing(paragraph) if first.startswith(MISSING) else " ".join(line.strip() for line in paragraph)
+    return said.replace(UNKNOWN, "not understood:") + f" (see {' '.join([PROGRAM, *_named()])} --help)"
+
+
+def _missing(paragraph: list[str]) -> str:
+    """What is missing, each with its meaning in brackets; the parser has the names to the left of the meanings."""
+    first, *rest = paragraph
+    left = min((len(line) - len(line.lstrip()) for line in rest), default=0)
+    entries: list[tuple[list[str], list[str]]] = []
+    for line in rest:
+        name = len(line) - len(line.lstrip()) == left
+        if name and (not entries or entries[-1][1]):
+            entries.append(([], []))
+        entries[-1][0 if name else 1].append(line.strip())
+    meant = [(" ".join(names), " ".join(words).removesuffix(REQUIRED).rstrip(". ")) for names, words in entries]
+    return f"{first.strip()} " + ", ".join(f"{n} ({w[:1].lower()}{w[1:]})" if w else n for n, w in meant)
+
+
+def _refuse_unknown() -> None:
+    """Raise ValueError for a command, or a command below one, that there is not, with the nearest name."""
+    typed, known, after = sys.argv[1:], overview.NAMES, PROGRAM
+    while typed and not typed[0].startswith("-") and known:
+        if typed[0] not in known:
+            near = difflib.get_close_matches(typed[0], known, 1)
+            meant = f"did you mean {near[0]}? There" if near else "there"
+            raise ValueError(
+                f"{after} {typed[0]}: no such command; {meant} are {', '.join(known)} (see {after} --help)"
+            )
+        after += f" {typed[0]}"
+        known, typed = overview.SUBCOMMANDS.get(typed[0], ()), typed[1:]
 
 
 def _named() -> list[str]:

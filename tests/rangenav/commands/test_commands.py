@@ -268,8 +268,13 @@ def test_brackets_in_a_title_are_text_and_no_markup(run, tmp_path):
 
 BAD = [
     ([], "see rangenav --help"),
-    (["fly"], "fly"),
-    (["analyze"], "Missing"),
+    (["fly"], "rangenav fly: no such command; there are presets, analyze"),
+    (["studdy", "run"], "rangenav studdy: no such command; did you mean study? There are presets"),
+    (["study", "rn", "h.toml"], "rangenav study rn: no such command; did you mean run? There are plan, run, show"),
+    (["study", "run"], "Missing from rangenav study run: STUDY (a shipped study's name or a path to a TOML file) (see"),
+    (["study", "preset", "h.zarr"], "that export writes), -o FILE.toml, --output FILE.toml (the preset's file) (see"),
+    (["analyze"], "Missing from rangenav analyze: PRESET ("),
+    (["analyze", "paper", "twice"], "not understood: twice (see rangenav analyze --help)"),
     (["analyze", "paper", "twice"], "twice"),
     (["analyze", "papper"], "papper: no such preset; shipped are barrel"),
     (["analyze", "none.toml"], "none.toml: no such file"),
