@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
+from rich.table import Column
 
 PATIENT = 1.0
 """s: what is done sooner shows no progress."""
@@ -66,8 +67,9 @@ def describing(task: str) -> Iterator[Say]:
         with _Log(task) as log:
             yield lambda _share, words: log.say(words)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(WIDTH), TextColumn("{task.fields[words]}"))
-    with Progress(*columns, console=console, transient=True) as bar:
+    words = TextColumn("{task.fields[words]}", table_column=Column(ratio=1, overflow="fold"))  # folded, and not cut
+    columns = (TextColumn("{task.description}"), BarColumn(WIDTH), words)
+    with Progress(*columns, console=console, transient=True, expand=True) as bar:
         number = bar.add_task(task, total=1.0, words="")
         yield lambda share, words: bar.update(number, completed=share, words=words)
 
