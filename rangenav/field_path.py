@@ -3,6 +3,7 @@
 A number after a dot counts entries from 1, as the page does; the components of a vector are x, y, z: world.anchor.x.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar
 
@@ -10,6 +11,8 @@ import msgspec
 
 from rangenav.inputs import Input, require, shortened
 
+AT = re.compile(r" - at `\$[^`]*`")
+"""Where the parser found an error; a path says it already, in the words of the file."""
 COMPONENTS = {"x": 0, "y": 1, "z": 2}
 Kind = TypeVar("Kind", bound=Input)
 
@@ -49,7 +52,7 @@ def replaced(of: Kind, values: Mapping[str, float | str], *, below: str = "") ->
         return msgspec.convert(table, type(of))
     except (msgspec.ValidationError, ValueError) as error:
         stated = ", ".join(f"{path} = {_shown(entry)}" for path, entry in values.items())
-        raise ValueError(f"{stated}: {shortened(str(error))}") from None
+        raise ValueError(f"{stated}: {shortened(AT.sub('', str(error)))}") from None
 
 
 def paths(of: Input) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """`rangenav study`: a study from a file, run on this machine or on a cluster, shown, exported, planned."""
 
+import itertools
 import logging
 import os
 import signal
@@ -42,10 +43,12 @@ def plan(study: FileName, *, workers: int | None = None, json: bool = False) -> 
     from rangenav.studies import study as studies
 
     require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
-    of, count = studies.load(study), workers or os.cpu_count() or 1
+    of, count, cores = studies.load(study), workers or os.cpu_count() or 1, os.cpu_count() or 1
+    taken = _refused(of, _store(study))
     with working(TRIAL, logged=True):
         planned, idle = planning.plan(of, workers=count), planning.without_effect(of)
-        answer = study_answers.plan_report(of, planned, name=study, workers=count, without_effect=idle)
+        answer = study_answers.plan_report(of, planned, name=study, workers=count, cores=cores, without_effect=idle)
+        answer |= {"store": str(_store(study, free=taken is not None)), "store_taken": taken}
     return print_json(answer) if json else layout.show(text.planned(answer))
 
 
@@ -75,7 +78,7 @@ def run(
     from rangenav.studies import study as studies
 
     of = studies.load(study)
-    path = Path(f"{Path(study).stem}.zarr") if output is None else output
+    path = _store(study) if output is None else output
     require(workers is None or workers >= 1, f"--workers must be 1 or more, got {workers}")
     require(workers is None or scheduler is None, "--workers: a scheduler has its own workers")
     require(not dashboard or scheduler is None, "--dashboard: a scheduler has its own dashboard")
@@ -100,6 +103,27 @@ def show(store: StoreName, *, json: bool = False) -> None:
     with working(f"reading {store.name}"):
         answer = study_answers.show_report(stores.opened(store))
     return print_json(answer) if json else layout.show(study_store.shown(answer))
+
+
+def _store(study: str, *, free: bool = False) -> Path:
+    """The store of a study where none is named, in this folder; `free`: the first name of its kind that is free."""
+    stem = Path(study).stem
+    path = Path(f"{stem}.zarr")
+    others = (Path(f"{stem}-{k}.zarr") for k in itertools.count(2))
+    return next(one for one in others if not one.exists()) if free and path.exists() else path
+
+
+def _refused(of: "Study", path: Path) -> str | None:
+    """Why the study cannot be computed into a path, None if it can."""
+    from rangenav.studies import running
+    from rangenav.studies import store as stores
+
+    if not path.exists():
+        return None
+    try:
+        return running.refusal(stores.opened(path), of)
+    except ValueError as error:
+        return str(error)
 
 
 Action = Annotated[
@@ -144,7 +168,7 @@ def _computed(of: "Study", path: Path, *, task: str, **options: Any) -> "State":
             with _stoppable(stopping):
                 return running.run(of, path, **options, shown=shown, cancelled=asked.is_set)
     except (KeyboardInterrupt, CancelledError):
-        print(f"{path}: {running.stopped(path, last[0].computed if last else 0)}", file=sys.stderr)
+        print(f"{path}: {running.stopped(path)}", file=sys.stderr)
         raise SystemExit(STOPPED) from None
 
 

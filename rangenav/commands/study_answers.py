@@ -12,9 +12,12 @@ from rangenav.studies.study import Study
 from rangenav.studies.summary import Extremes
 from rangenav.studies.tally import State
 
+PARTS_PER_SECOND = 250.0
+"""Parts that one program and its scheduler deal out, whatever the number of workers (docs/scale.md)."""
+
 
 def plan_report(
-    of: Study, planned: Plan, *, name: str, workers: int, without_effect: tuple[str, ...]
+    of: Study, planned: Plan, *, name: str, workers: int, cores: int, without_effect: tuple[str, ...]
 ) -> dict[str, Any]:
     """The JSON object of `rangenav study plan`."""
     return {
@@ -32,9 +35,13 @@ def plan_report(
         "points_tried": planned.cost.tried,
         "points_tried_invalid": planned.cost.invalid,
         "invalid_reason": planned.cost.reason or None,
+        "invalid_reasons": list(planned.cost.reasons),
         "workers": workers,
-        "seconds": planned.seconds / min(workers, planned.parts),
+        "workers_busy": min(workers, planned.parts),
+        "cores": cores,
+        "seconds": max(planned.seconds / min(workers, planned.parts), planned.parts / PARTS_PER_SECOND),
         "without_effect": list(without_effect),
+        "unused": list(of.file.unused),
     }
 
 
@@ -104,14 +111,22 @@ def _metric_report(study: Study, name: str, estimator: str, of: Extremes) -> dic
         "middle": row.middle,
         "bound": {"level": levels[0], "at_most": bounds[0].most} if len(levels) == 1 else None,
         "bounds": levels,
+        "bound_of": requirements.whose(name) if bounds else None,
         "bound_words": " or ".join(dict.fromkeys(one.words for one in bounds)) or None,
         "meets": of.meets if bounds else None,
         "meets_at": list(map(study.place, of.met.first)),
         "misses": of.missed.count if bounds else None,
         "misses_at": list(map(study.place, of.missed.first)),
         "meets_within": {study.parameter(k).path: list(ends) for k, ends in of.within.items()},
+        "meets_across": [study.parameter(k).path for k, ends in of.within.items() if ends == _ends(study, k)],
         "why": _why(study, name, of),
     }
+
+
+def _ends(study: Study, dimension: str) -> tuple[float, float]:
+    """The least and the largest value of a parameter."""
+    values = study.values[dimension]
+    return float(values.min()), float(values.max())
 
 
 def _why(study: Study, name: str, of: Extremes) -> str | None:

@@ -4,6 +4,7 @@ A value that does not fit is no error: the point is invalid, and its reason is r
 on the study and on the point's index alone.
 """
 
+import re
 import warnings
 from collections.abc import Sequence
 
@@ -24,6 +25,7 @@ from rangenav.studies.metrics import METRICS, OBSERVABLE, Metric, Run, flight
 from rangenav.studies.study import Study
 from rangenav.studies.study_file import StudyFile
 
+NUMBER = re.compile(r"[-+]?\d[\d.e+-]*")
 RUNS_TOGETHER = 8
 """Runs of a point that are made side by side."""
 
@@ -52,6 +54,19 @@ class Block:
     """Runs of each point; 0 where it is invalid."""
     reason: Shaped[Array, "p"]
     """Texts, as objects."""
+
+
+def kind(reason: str) -> str:
+    """A reason without its numbers: those of one kind differ by them alone."""
+    return NUMBER.sub("", reason)
+
+
+def kinds(reasons: Sequence[str]) -> tuple[str, ...]:
+    """The first reason of each kind."""
+    first: dict[str, str] = {}
+    for reason in reasons:
+        first.setdefault(kind(reason), reason)
+    return tuple(first.values())
 
 
 def point(study: Study, index: int, *, runs: int | None = None, cancelled: Cancelled = never) -> PointResult:

@@ -48,7 +48,7 @@ def to_parquet(of: Store, path: Path, *, every_run: bool = False) -> int:
     try:
         for columns in tables(of, every_run=every_run):
             typed = {name: _typed(column) for name, column in columns.items()}
-            table = arrow.table(typed, metadata={"observability": of.study.file.windows_judged})
+            table = arrow.table(typed, metadata=_metadata(of))
             writer = parquet.ParquetWriter(path, table.schema) if writer is None else writer
             writer.write_table(table)
             count += table.num_rows
@@ -56,6 +56,13 @@ def to_parquet(of: Store, path: Path, *, every_run: bool = False) -> int:
         if writer is not None:
             writer.close()
     return count
+
+
+def _metadata(of: Store) -> dict[str, str]:
+    """Which windows the metrics of observability come from, if the table has any."""
+    file = of.study.file
+    judged = any(METRICS[name].needs == "analysis" for name in file.metrics)
+    return {"observability": file.windows_judged} if judged else {}
 
 
 def tables(of: Store, *, every_run: bool = False) -> Iterator[Columns]:

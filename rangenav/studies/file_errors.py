@@ -51,7 +51,12 @@ def explained(sentence: str, text: str, fields: dict[str, dict[str, tuple[str, .
 def _rule(words: str, place: str, text: str, kinds: dict[str, tuple[str, ...]]) -> str:
     quoted = QUOTED.findall(words)
     if words.startswith("Object contains unknown field"):
-        return unknown_key(quoted[0], kinds.get(str(_entry(text, f"{place}.kind")), kinds.get("", ())))
+        kind = str(_entry(text, f"{place}.kind"))
+        others = [name for name, keys in kinds.items() if name and quoted[0] in keys]
+        if others and kind in kinds:
+            of = f"{quoted[0]} is a key of {', '.join(others)}, not of {kind}"
+            return f"{of}; the keys of {kind} are {', '.join(kinds[kind])}"
+        return unknown_key(quoted[0], kinds.get(kind, kinds.get("", ())))
     if words.startswith("Object missing required field"):
         return f"{quoted[0]} is missing"
     if words.startswith("Invalid value") and place.endswith("kind"):

@@ -186,7 +186,7 @@ ROWS = (
         f"from when on the error stays below {WITHIN[1]}; infinite if it does not",
     ),
     _of("run", "more", "share")(
-        "settled", "", f"position and attitude settle, to {SETTLED}", _settled, "1 if both settling times are finite"
+        "settled", "", f"position and attitude settle to {SETTLED}", _settled, "1 if both settling times are finite"
     ),
     OF_RUN("steady_position", "m", "steady error, position", _summary("steady_position"), LAST_QUARTER),
     OF_RUN("steady_velocity", "m/s", "steady error, velocity", _summary("steady_velocity"), LAST_QUARTER),

@@ -72,7 +72,7 @@ BOUNDS: Mapping[str, Callable[[Preset], Bound | None]] = {
     "rank_nonlinear": lambda _: Bound(8.5, False, "all 9 quantities"),
     "observable": _yes("observable"),
     "flyable": lambda preset: Bound(0.5, False, LIMITS if limited(preset.vehicle) else NO_LIMITS),
-    "settled": _yes(f"position and attitude settle, to {SETTLED}"),
+    "settled": _yes(f"position and attitude settle to {SETTLED}"),
     "diverged": lambda _: Bound(0.5, True, "has not diverged"),
     "speed": _vehicle("speed"),
     "acceleration": _vehicle("acceleration"),
@@ -85,3 +85,11 @@ BOUNDS: Mapping[str, Callable[[Preset], Bound | None]] = {
 FIXED = ("rank", "rank_nonlinear", "observable", "flyable", "settled", "diverged")
 DEPENDENT = frozenset(BOUNDS) - frozenset(FIXED)
 """Metrics whose bound is a number of the preset's requirement or of its vehicle."""
+OF_PRESET = ("mu", "sigma_lifted", "sigma_nonlinear", "steady_position", "observable")
+
+
+def whose(metric: str) -> str:
+    """Who requires what a metric is compared with, for a person."""
+    if metric in OF_PRESET:
+        return "required by the preset"
+    return "required by the vehicle" if metric == "flyable" or metric in DEPENDENT else "required of every study"

@@ -76,12 +76,19 @@ def _opened(study: Study, path: Path, workers: int) -> Store:
     if not path.exists():
         return creation.created(path, study, plan.divided(study, trial.cost(study), workers=max(1, workers)))
     of = store.opened(path)
+    refused = refusal(of, study)
+    require(refused is None, f"{refused}; -o OTHER.zarr chooses another store")
+    return of
+
+
+def refusal(of: Store, study: Study) -> str | None:
+    """Why this study cannot go on in a store, as a sentence without its way out; None if it can."""
     if of.study.digest != study.digest:
         words = f"{of.study.file.title} ({differences.between(of.study, study)})"
-        raise ValueError(f"{path}: holds another study, {words}; choose another store")
-    rule = f"{path}: begun with {of.source}; go on with that version, or choose another store"
-    require(of.source == store.SOURCE, rule)
-    return of
+        return f"{of.path}: holds another study, {words}"
+    if of.source != store.SOURCE:
+        return f"{of.path}: begun with {of.source}, which alone goes on with it"
+    return None
 
 
 def kept(path: Path, parts: int) -> str:
@@ -90,12 +97,11 @@ def kept(path: Path, parts: int) -> str:
     return f"{count} of {parts} parts {'is' if count == 1 else 'are'} kept, and the same command goes on"
 
 
-def stopped(path: Path, computed: int) -> str:
-    """What a person reads after a stop; `computed`: parts that this call computed."""
+def stopped(path: Path) -> str:
+    """What a person reads after a stop: what the store holds then, which is more than the program has counted."""
     if not path.exists():
         return "stopped before anything was computed"
-    what = "stopped" if computed else "stopped before anything new was computed"
-    return f"{what}; {kept(path, store.opened(path).blocks.count)}"
+    return f"stopped; {kept(path, store.opened(path).blocks.count)}"
 
 
 def _compile(client: Any, of: Store, cancelled: Cancelled) -> None:

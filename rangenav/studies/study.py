@@ -1,5 +1,6 @@
 """A study that can be computed: its file, its base presets, its points, and the preset and the seeds of each point."""
 
+import difflib
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from numpy import ndarray as Array
 from rangenav import field_path, preset, signals
 from rangenav.inputs import require
 from rangenav.preset import Preset
-from rangenav.studies import parameter_paths, study_file
+from rangenav.studies import file_errors, parameter_paths, study_file
 from rangenav.studies.parameters import DERIVED, SIZE, TIME_SCALE, Parameter
 from rangenav.studies.study_file import Grid, Sobol, StudyFile
 
@@ -138,13 +139,17 @@ def shipped() -> dict[str, Path]:
 def find(name_or_path: str | Path) -> Path:
     """The file behind a shipped name or a path. Raises ValueError with the shipped names if there is none."""
     path = Path(name_or_path)
+    rule = f"{path}: a store; study show reads it, and study run and plan take a study's file"
+    require(path.suffix != ".zarr" or path.is_file(), rule)
     if path.suffix == ".toml" or path.parent != Path("."):
-        require(path.is_file(), f"{path}: no such file")
+        require(path.exists(), f"{path}: no such file")
+        require(path.is_file(), f"{path}: a folder, and no study's file")
         return path
     there = shipped()
     beside = [one for one in (path.with_suffix(".toml"), path.with_suffix(".zarr")) if one.exists() and one != path]
-    meant = f"did you mean {' or '.join(map(str, beside))}? Shipped" if beside else "shipped"
-    require(path.suffix != ".zarr", f"{path}: a store; study show reads it, and study run and plan take a study's file")
+    likely = [*map(str, beside), *difflib.get_close_matches(path.name, there, 1)]
+    meant = f"did you mean {' or '.join(likely)}? Shipped" if likely else "shipped"
+    require(path.name in there or not path.is_dir(), f"{path}: a folder, and no study's file")
     require(path.name in there, f"{path}: no such study; {meant} are {', '.join(there)}")
     return there[path.name]
 
@@ -174,11 +179,15 @@ def of_file(file: StudyFile, bases: tuple[Preset, ...], names: tuple[str, ...] |
 def _base(name: str, path: Path) -> Preset:
     """A shipped preset, or one whose file is named from the folder of the study's file. Raises ValueError."""
     if name.endswith(".toml") or Path(name).parent != Path("."):
-        return preset.load(path.parent / name)
+        try:
+            return preset.load(path.parent / name)
+        except ValueError as error:
+            raise ValueError(f"presets: {error}") from None
     there = path.parent / f"{name}.toml"
     known = [file.stem for file in preset.shipped_files()]
     rule = f'presets: no shipped preset is named {name}; to use the file beside this one, write "{there.name}"'
     require(name in known or not there.is_file(), rule)
+    require(name in known, f"presets: {file_errors.near(name, known)}")
     return preset.load(name)
 
 

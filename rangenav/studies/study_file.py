@@ -22,6 +22,8 @@ MAX_POINTS = 10_000_000
 MAX_RUNS = 10_000
 """Most runs of one point: one task computes all of them."""
 MAX_SEED = 2**53
+WINDOWS = 101
+"""Windows that are judged if the file says nothing."""
 RESERVED = ("point", "run", "estimator", "preset", "runs", "reason", "receipts")
 """Names in the store that no parameter may have."""
 
@@ -75,7 +77,7 @@ class StudyFile(Input, frozen=True, kw_only=True):
     parameters alone."""
     estimators: tuple[str, ...] = ("cascade",)
     metrics: tuple[str, ...]
-    windows: int = 101
+    windows: int = WINDOWS
     """So many windows, evenly spaced over the flight; the metrics of observability are those of the worst of them."""
     every_window: bool = False
     """The metrics of observability are those of the worst of all windows, as `analyze` has them."""
@@ -93,6 +95,7 @@ class StudyFile(Input, frozen=True, kw_only=True):
             require(len(set(names)) == len(names), f"{field} must not name one twice")
             for name in names:
                 require(name in table, f"{field}: {file_errors.near(name, table)}")
+        self._refuse_places()
         self._refuse_names()
         self._refuse_counts()
         if self.stop is not None:
@@ -104,6 +107,17 @@ class StudyFile(Input, frozen=True, kw_only=True):
             require(
                 self.stop.least <= self.runs, f"stop.least must not exceed runs ({self.runs}), got {self.stop.least}"
             )
+
+    def _refuse_places(self) -> None:
+        """Two parameters of one number: the point would have the value of one, and the table that of the other."""
+        places = [parameter.place for parameter in self.parameters]
+        for k, (place, parameter) in enumerate(zip(places, self.parameters, strict=True)):
+            if place in places[:k]:
+                first = places.index(place)
+                other = self.parameters[first].path
+                spelled = "" if other == parameter.path else f", as {other}"
+                rule = f"parameters.{k + 1}: path {parameter.path} is varied by parameters.{first + 1} already{spelled}"
+                raise ValueError(f"{rule}; give the values of both to one of them")
 
     def _refuse_names(self) -> None:
         names = [parameter.dimension for parameter in self.parameters]
@@ -123,6 +137,20 @@ class StudyFile(Input, frozen=True, kw_only=True):
             require(not (grid and missing), f"parameters.{k + 1}: count is missing; a grid needs it")
             require(grid or missing, f"parameters.{k + 1}: count is for a grid; the design {kind} states points")
         require_within("the number of points", self.count, 1, MAX_POINTS)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Keys that say something here and decide nothing, with the reason, for a person."""
+        needs = {METRICS[name].needs for name in self.metrics}
+        without = "no metric is of a run"
+        said = {
+            "runs": (self.runs != 1 and "run" not in needs, without),
+            "common_seeds": (self.common_seeds and "run" not in needs, without),
+            "estimators": (self.estimators != ("cascade",) and "run" not in needs, without),
+            "windows": (self.windows != WINDOWS and self.every_window, "every_window judges all of them"),
+            "every_window": (self.every_window and "analysis" not in needs, "no metric is of windows"),
+        }
+        return tuple(f"{key}: {why}" for key, (idle, why) in said.items() if idle)
 
     @property
     def run_metrics(self) -> tuple[str, ...]:

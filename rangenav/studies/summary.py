@@ -1,7 +1,6 @@
 """What a store holds, in a few figures: how much is done, what is invalid, and of each metric where it is least and
 largest, and at how many points it meets its bound; at how many points every metric does."""
 
-import re
 from collections import Counter
 from dataclasses import dataclass, field
 
@@ -9,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool
 from numpy import ndarray as Array
 
-from rangenav.studies import intervals
+from rangenav.studies import evaluation, intervals
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.requirements import DEPENDENT, Bound, bound_of
 from rangenav.studies.store import REASON, Store
@@ -17,7 +16,6 @@ from rangenav.studies.study import POINT, Study
 
 FEW = 3
 """Points that are named one by one."""
-NUMBER = re.compile(r"[-+]?\d[\d.e+-]*")
 Key = tuple[str, str]
 """A metric and an estimator; the estimator of a metric of the point is empty."""
 
@@ -154,7 +152,7 @@ def summary(of: Store) -> Summary:
         reasons = np.asarray(arrays[REASON], dtype=object).ravel()
         _take(result, of.study, indices, _middles(of.study, arrays, len(indices)), reasons == "")
         for words in reasons[reasons != ""].tolist():
-            result.reasons[kinds.setdefault(NUMBER.sub("", words), words)] += 1
+            result.reasons[kinds.setdefault(evaluation.kind(words), words)] += 1
     return result
 
 

@@ -40,6 +40,8 @@ class Cost:
     """Of them, those that are invalid."""
     reason: str = ""
     """Why the first of them is invalid; empty if none is."""
+    reasons: tuple[str, ...] = ()
+    """The same of all of them; of reasons that differ by numbers alone the first one."""
     valid: float = 1.0
     """The share of valid points, as far as it is known; the others have no runs."""
 
@@ -73,6 +75,7 @@ def cost(study: Study) -> Cost:
         tried=len(reasons),
         invalid=len(wrong),
         reason=wrong[0] if wrong else "",
+        reasons=evaluation.kinds(wrong),
         valid=fit * len(runs) / max(1, len(following)),
     )
 

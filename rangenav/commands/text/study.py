@@ -13,8 +13,9 @@ if TYPE_CHECKING:
 MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
 SIZES = ("B", "kB", "MB", "GB", "TB")
 THOUSAND = 1000.0
-START = 10
-"""s: imports, a trial and the start of workers."""
+START = "and 10 to 30 s to start, more where kernels compile or other programs take the cores"
+"""Imports, a trial and the start of workers: on an idle machine, and on one that is busy."""
+MOST_REASONS = 5
 STAGES = {"workers": "workers start", "kernels": "loading kernels (compiles the first time)"}
 
 
@@ -41,25 +42,28 @@ def planned(answer: Json) -> Report:
     runs = count(answer["runs"], "run")
     if answer["least_runs"] != answer["runs"]:
         runs = f"{answer['least_runs']:,} to {runs}".replace(",", " ")
-    each = [f"{1e3 * answer['cpu_seconds_per_point']:.3g} ms for each point"]
-    each += [f"{1e3 * answer['cpu_seconds_per_run']:.3g} ms for each run"] if answer["runs"] else []
     tried, invalid = answer["points_tried"], answer["points_tried_invalid"]
+    reasons = answer["invalid_reasons"][:MOST_REASONS]
+    reasons += ["and others"] if len(answer["invalid_reasons"]) > MOST_REASONS else []
+    each = [f"{about(answer['cpu_seconds_per_point'])} for each point"]
+    each += [f"{about(answer['cpu_seconds_per_run'])} for each run"] if answer["runs"] else []
+    each = each if invalid < tried else ["not known: no point that was tried is valid"]
+    other = f" -o {layout.argument(answer['store'])}" if answer["store_taken"] else ""
     return Report(
         subject=layout.subject(answer["study"]),
-        sign="!" if invalid or answer["without_effect"] else "✓",
-        answer=f"{count(answer['points'], 'point')}, {duration(answer['cpu_seconds'])} of one core",
+        sign="!" if invalid or answer["without_effect"] or answer["unused"] or answer["store_taken"] else "✓",
+        answer=f"{count(answer['points'], 'point')}, {about(answer['cpu_seconds'])} of one core",
         title=answer["title"],
         groups=(
             *group("points", dimensions(answer["dimensions"])),
             *group("runs", runs if answer["runs"] else "none: no metric is of a run"),
-            *group(
-                "invalid",
-                f"{invalid} of {tried} points that were tried: {answer['invalid_reason']}" if invalid else None,
-            ),
+            *group("invalid", *([f"{invalid} of {tried} points that were tried"] if invalid else []), *reasons),
             *group("no effect", *(f"{path}: its values change no metric here" for path in answer["without_effect"])),
-            *group("time", f"{duration(answer['cpu_seconds'])} of one core", _shared(answer), *each),
+            *group("not used", *answer["unused"]),
+            *group("time", f"{about(answer['cpu_seconds'])} of one core", *_shared(answer), *each),
             *group("store", f"at most {size(answer['bytes'])} in {count(answer['parts'], 'part')}"),
-            *layout.next_commands(f"study run {layout.argument(answer['study'])}"),
+            *group("taken", answer["store_taken"]),
+            *layout.next_commands(f"study run {layout.argument(answer['study'])}{other}"),
         ),
     )
 
@@ -124,12 +128,19 @@ def saved(answer: Json) -> Report:
     )
 
 
-def duration(seconds: float) -> str:
+def about(seconds: float) -> str:
+    """An estimate: two digits, which is more than it is good for on a machine that does other work, too."""
+    if seconds < 1:
+        return f"about {significant(float(f'{THOUSAND * seconds:.2g}'), 2)} ms"
+    return f"about {duration(seconds, digits=2)}"
+
+
+def duration(seconds: float, *, digits: int = 3) -> str:
     """A time in the unit that a person uses for it."""
     for unit, name in ((DAY, "days"), (HOUR, "h"), (MINUTE, "min")):
         if seconds >= 2 * unit:
-            return f"{seconds / unit:.3g} {name}"
-    return f"{seconds:.3g} s" if seconds >= 1 else "less than 1 s"
+            return f"{significant(float(f'{seconds / unit:.{digits}g}'), digits)} {name}"
+    return f"{significant(float(f'{seconds:.{digits}g}'), digits)} s" if seconds >= 1 else "less than 1 s"
 
 
 def size(count: float) -> str:
@@ -147,9 +158,17 @@ def done(answer: Json) -> str:
     return f"{count(answer['points'], 'point')}, {runs}"
 
 
-def _shared(answer: Json) -> str:
-    """The wall time of all workers."""
-    return f"{duration(answer['seconds'])} with {count(answer['workers'], 'worker')}, and some {START} s to start"
+def _shared(answer: Json) -> list[str]:
+    """The wall time of all workers, and what limits it."""
+    workers, busy, cores = answer["workers"], answer["workers_busy"], answer["cores"]
+    words = f"{about(answer['seconds'])} with {count(workers, 'worker')}"
+    if workers > cores:
+        words += f", if each has a core of its own: this machine has {cores}"
+    limit = f"no more than {count(busy, 'worker')} have something to do: a part is not divided"
+    dealt = "one program and its scheduler deal out no more parts in this time"
+    limits = [limit] if busy < workers else []
+    limits += [dealt] if answer["seconds"] > answer["cpu_seconds"] / busy else []
+    return [words, *limits, START]
 
 
 def stopping(answer: Json) -> str | None:

@@ -4,11 +4,10 @@ import math
 
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
-from rangenav.commands.text.study import count, dimensions, done, duration, place, stopping
+from rangenav.commands.text.study import MOST_REASONS, count, dimensions, done, duration, place, stopping
 from rangenav.commands.text.verdict import Json
 from rangenav.number_format import quantity, significant
 
-MOST_REASONS = 5
 SEVERAL = 2
 """Metrics that are compared with something, from which on it is said where all are met."""
 RANKS = ("rank", "rank_nonlinear")
@@ -69,8 +68,14 @@ def _meeting(row: Json, valid: int) -> list[str]:
     """At how many points a metric meets its bound, and which they are."""
     if not row["bounds"]:
         return []
-    share = row["middle"] == "share"
-    return [f"{row['bound_words']}{' in half of the runs' if share else _rule(row)}: {_points(row, valid)}"]
+    return [f"{_bound(row)}: {_points(row, valid)}"]
+
+
+def _bound(row: Json) -> str:
+    """What a metric is compared with: `position error wanted (at most 0.5 m)`."""
+    if row["middle"] != "share":
+        return f"{row['bound_words']}{_rule(row)}"
+    return f"{row['bound_words']} {'in half of the runs or more' if row['estimator'] else ''}".strip()
 
 
 def _rule(row: Json) -> str:
@@ -91,7 +96,10 @@ def _points(row: Json, valid: int) -> str:
         return f"{said}: {_named(row['meets_at'])}"
     if row["misses"] <= len(row["misses_at"]):
         return f"{said}, all but {_named(row['misses_at'])}"
-    ends = ((path, significant(low), significant(high)) for path, (low, high) in row["meets_within"].items())
+    within = {path: ends for path, ends in row["meets_within"].items() if path not in row["meets_across"]}
+    if not within:
+        return f"{said}, from end to end of every parameter" if row["meets_within"] else said
+    ends = ((path, significant(low), significant(high)) for path, (low, high) in within.items())
     where = (f"{path} = {low}" if low == high else f"{path} from {low} to {high}" for path, low, high in ends)
     return f"{said}; bounding box: {', '.join(where)}"
 
@@ -107,7 +115,16 @@ def _together(answer: Json) -> list[str]:
         named = f": {_named(one['at'])}" if 0 < one["points"] <= len(one["at"]) else ""
         such = f", such as {place(one['at'][0])}" if one["points"] > len(one["at"]) else ""
         lines.append(f"{of}all requirements and limits met: {one['points']} of {valid} points{named}{such}")
+        lines += _failing(answer, one["estimator"], valid) if one["points"] < valid else []
     return lines
+
+
+def _failing(answer: Json, estimator: str | None, valid: int) -> list[str]:
+    """What fails at most points, and who requires it."""
+    compared = (row for row in answer["metrics"] if row["bounds"] and row["estimator"] in (None, estimator))
+    worst = max(compared, key=lambda row: row["misses"])
+    where = f"at {worst['misses']} of {valid} points"
+    return [f"fails most often, {where}: {worst['metric']}, {_bound(worst)}, {worst['bound_of']}"]
 
 
 def _varied(answer: Json) -> str | None:

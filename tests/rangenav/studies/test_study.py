@@ -82,8 +82,9 @@ def test_time_scale_and_size_act_on_the_whole_path():
 
 
 def test_a_value_that_does_not_fit_is_refused_with_its_path_and_the_rule():
-    with pytest.raises(ValueError, match=r"gains.riccati.q = 1e\+30: .*q must lie between"):
+    with pytest.raises(ValueError, match=r"gains.riccati.q = 1e\+30: .*q must lie between") as refusal:
         of(Listed(path="gains.riccati.q", values=(1e30,))).preset_at(0)
+    assert "$" not in str(refusal.value)
 
 
 def test_the_unit_of_a_parameter_is_that_of_its_field():
@@ -138,7 +139,7 @@ def test_a_file_is_written_and_read_without_loss():
 BROKEN = {
     'metrics = ["mo"]': "metrics: there is no mo; did you mean mu",
     'metrics = ["mu"]\nestimators = ["kf"]': "estimators: there is no kf; did you mean ekf? There are cascade,",
-    'metrics = ["mu"]\npresets = ["nowhere"]': "nowhere: no such preset",
+    'metrics = ["mu"]\npresets = ["nowhere"]': "presets: there is no nowhere; there are barrel, circle",
     'metrics = ["mu"]\nruns = 0': "runs must lie between 1 and 10000, got 0",
     'metrics = ["mu"]\ncolour = 1': "no key is named colour; the keys are version, title",
     'metrics = ["mu"]\n[stop]\nmetric = "mu"\nhalf_width = 0.1': "stop.metric: mu is no metric of a run",
@@ -151,6 +152,11 @@ AGAIN = (
     f'{PARAMETER}path = "world.anchor.x"\n{VALUES}[[parameters]]\nkind = "linear"\npath = "{{}}"\nname = "b"\n{VALUES}'
 )
 BROKEN |= {
+    'metrics = ["mu"]\npresets = ["barel"]': "presets: there is no barel; did you mean barrel? There are barrel",
+    'metrics = ["mu"]\npresets = ["none.toml"]': "none.toml: no such file",
+    'metrics = ["mu"]\npresets = ["mine.toml"]': "broken.toml: presets: mine.toml: ",
+    PARAMETER.replace("linear", "list") + 'path = "size"\nvalues = [1]\ncount = 2': "count is a key of linear, log,",
+    'metrics = ["mu"]\n[design]\nkind = "grid"\npoints = 8': "points is a key of sobol, latin-hypercube, not of grid",
     PARAMETER + 'path = "gains.k9"\nlow = 0\nhigh = 1\ncount = 2': "parameters.1: path gains.k9: there is no k9",
     PARAMETER + 'path = "world.anchor.0"\nlow = 0\nhigh = 1\ncount = 2': "0 must lie between 1 and 3, or be x, y or z",
     PARAMETER + 'path = "gains.mode"\nlow = 0\nhigh = 1\ncount = 2': 'gains.mode: a word; kind = "choices"',
@@ -203,6 +209,22 @@ def test_a_preset_in_place_of_a_study_and_a_study_in_place_of_a_preset_are_named
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match=r"mine: no such study; did you mean mine.toml"):
         study.load("mine")
+
+
+def test_a_folder_a_store_and_nothing_at_all_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("sub", "sub.toml", "here/sub", "s.zarr", "here/s.zarr"):
+        (tmp_path / name).mkdir(parents=True)
+    for name in ("sub", "sub.toml", "here/sub", str(tmp_path)):
+        with pytest.raises(ValueError, match=f"^{re.escape(name)}: a folder, and no study's file"):
+            study.find(name)
+    for name in ("s.zarr", "here/s.zarr"):
+        with pytest.raises(ValueError, match=f"^{name}: a store; study show reads it"):
+            study.find(name)
+    with pytest.raises(ValueError, match=r"^here/none.toml: no such file"):
+        study.find("here/none.toml")
+    with pytest.raises(ValueError, match=r"anchor-mp: no such study; did you mean anchor-map\? Shipped are anchor-map"):
+        study.find("anchor-mp")
 
 
 def test_what_differs_is_named_with_its_field_and_both_values():
