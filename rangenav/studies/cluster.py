@@ -3,7 +3,8 @@
 import logging
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
@@ -63,8 +64,8 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
 
     with config.set(LOCAL):
         logging.getLogger("distributed").setLevel(QUIET)
-        with _interrupts_held():
-            cluster = distributed.LocalCluster(
+        cluster = _aside(
+            lambda: distributed.LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
@@ -72,9 +73,25 @@ def connected(client: Any = None, *, workers: int, scheduler: str | None, dashbo
                 dashboard_address=DASHBOARD if dashboard else NO_DASHBOARD,
                 silence_logs=QUIET,
             )
+        )
         with cluster, distributed.Client(cluster) as own:
             own.register_plugin(IgnoreInterrupt())
             yield own
+
+
+def _aside(start: Callable[[], Any]) -> Any:
+    """What `start` returns or raises; it runs in a thread in which interrupts are held, so that this one, the main one,
+    answers Ctrl+C meanwhile."""
+
+    def held() -> Any:
+        with _interrupts_held():
+            return start()
+
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(held)
+        while not future.done():
+            time.sleep(POLL)  # in which signals are handled
+        return future.result()
 
 
 @contextmanager
