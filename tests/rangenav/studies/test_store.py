@@ -77,6 +77,29 @@ def test_xarray_opens_a_store_with_its_dimensions_coordinates_units_and_the_stud
     assert study.study_file.loads(opened.attrs["study"], source="x") == small.file
 
 
+def test_a_coordinate_has_its_unit_and_no_unit_where_none_is_known_and_one_only_without_dimension(
+    small: study.Study, tmp_path: Path
+):
+    wanted = {"gains.riccati.q": "1/(m⁴ s)", "gains.riccati.v.xi": None, "time_scale": "1", "sensors.noise.mag": "1"}
+    chosen = tuple(Listed(path=path, values=(1.0, 2.0)) for path in wanted)
+    of = study.of_file(replace(small.file, parameters=chosen), small.bases)
+    opened = loaded(creation.created(tmp_path / "units.zarr", of, blocks.divided(of.shape, 99)).path)
+    assert [opened[one.dimension].attrs.get("units") for one in chosen] == list(wanted.values())
+
+
+def test_a_table_says_which_windows_were_judged_only_if_it_has_a_metric_of_windows(
+    small: study.Study, whole: store.Store, tmp_path: Path
+):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    of = study.of_file(replace(small.file, metrics=("speed",)), small.bases)
+    speeds = creation.created(tmp_path / "speeds.zarr", of, blocks.divided(of.shape, 99))
+    tasks.compute(str(speeds.path), of.digest, 0)
+    for one, said in ((whole, whole.study.file.windows_judged.encode()), (speeds, None)):
+        export.to_parquet(one, tmp_path / "table.parquet")
+        metadata = parquet.read_schema(tmp_path / "table.parquet").metadata or {}
+        assert metadata.get(b"observability") == said
+
+
 def test_a_sample_has_its_parameters_as_coordinates_of_its_points_and_an_invalid_point_its_reason(
     small: study.Study, client, tmp_path: Path
 ):

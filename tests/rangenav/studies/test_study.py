@@ -139,7 +139,7 @@ def test_a_file_is_written_and_read_without_loss():
 BROKEN = {
     'metrics = ["mo"]': "metrics: there is no mo; did you mean mu",
     'metrics = ["mu"]\nestimators = ["kf"]': "estimators: there is no kf; did you mean ekf? There are cascade,",
-    'metrics = ["mu"]\npresets = ["nowhere"]': "presets: there is no nowhere; there are barrel, circle",
+    'metrics = ["mu"]\npresets = ["nowhere"]': "presets: there is no nowhere; did you mean hover? There are barrel",
     'metrics = ["mu"]\nruns = 0': "runs must lie between 1 and 10000, got 0",
     'metrics = ["mu"]\ncolour = 1': "no key is named colour; the keys are version, title",
     'metrics = ["mu"]\n[stop]\nmetric = "mu"\nhalf_width = 0.1': "stop.metric: mu is no metric of a run",
@@ -152,7 +152,7 @@ AGAIN = (
     f'{PARAMETER}path = "world.anchor.x"\n{VALUES}[[parameters]]\nkind = "linear"\npath = "{{}}"\nname = "b"\n{VALUES}'
 )
 BROKEN |= {
-    'metrics = ["mu"]\npresets = ["barel"]': "presets: there is no barel; did you mean barrel? There are barrel",
+    'metrics = ["mu"]\npresets = ["barel"]': "presets: there is no barel; did you mean barrel or",
     'metrics = ["mu"]\npresets = ["none.toml"]': "none.toml: no such file",
     'metrics = ["mu"]\npresets = ["mine.toml"]': "broken.toml: presets: mine.toml: ",
     PARAMETER.replace("linear", "list") + 'path = "size"\nvalues = [1]\ncount = 2': "count is a key of linear, log,",

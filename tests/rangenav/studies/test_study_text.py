@@ -1,6 +1,9 @@
 """What `rangenav study` says of a study and of its store: what fails, what is taken, what decides nothing, how long."""
 
 import io
+import os
+import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -11,7 +14,7 @@ from rangenav.commands import progress, study_answers
 from rangenav.commands import study as command
 from rangenav.commands.text import layout, study_store
 from rangenav.commands.text import study as text
-from rangenav.studies import blocks, creation, plan, running, store, study, tasks
+from rangenav.studies import blocks, cluster, creation, plan, running, store, study, tasks
 from rangenav.studies.trial import Cost
 
 COST = Cost(point=1e-3, run=4.06e-3, tried=7, invalid=0)
@@ -139,3 +142,22 @@ def test_progress_on_80_columns_is_folded_and_nothing_of_it_is_cut(monkeypatch: 
     assert "…" not in shown
     for word in ("gains-of-the-soft-path", "4/33", "steady_position", "typical"):
         assert word in shown
+
+
+def test_ctrl_c_is_answered_while_workers_start():
+    answered: list[float] = []
+    before = signal.signal(signal.SIGINT, lambda *_: answered.append(time.monotonic()))
+
+    def start() -> float:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(1.0)  # ten looks of the main thread
+        return time.monotonic()
+
+    try:
+        started = cluster._aside(start)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert len(answered) == 1
+    assert answered[0] < started
+    with pytest.raises(OSError, match="no port is free"):
+        cluster._aside(lambda: (_ for _ in ()).throw(OSError("no port is free")))
