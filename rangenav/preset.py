@@ -3,6 +3,7 @@
 Errors name file, field and rule: `eight.toml: Expected `float`, got `str` - at `$.path.tones[0].frequency``.
 """
 
+import difflib
 import math
 import re
 import unicodedata
@@ -225,7 +226,9 @@ def find(name_or_path: str | Path) -> Path:
         require(path.is_file(), f"{path}: not a file")
         return path
     shipped = {file.stem: file for file in shipped_files()}
-    require(str(name_or_path) in shipped, f"{name_or_path}: no such preset; shipped are {', '.join(shipped)}")
+    near = difflib.get_close_matches(str(name_or_path), shipped, 1)
+    meant = f"did you mean {near[0]}? Shipped" if near else "shipped"
+    require(str(name_or_path) in shipped, f"{name_or_path}: no such preset; {meant} are {', '.join(shipped)}")
     return shipped[str(name_or_path)]
 
 

@@ -281,9 +281,12 @@ def test_a_file_one_may_not_read_is_refused_by_its_name(tmp_path, monkeypatch):
         preset.load(tmp_path / "secret.toml")
 
 
-@pytest.mark.parametrize("name", ["papper", "", "PAPER", "paper\x00", "circle "])
-def test_an_unknown_name_is_answered_with_the_shipped_ones(name):
-    sentence = f"{name}: no such preset; shipped are barrel, circle, eight-repaired, "
+@pytest.mark.parametrize(
+    ("name", "meant"), [("papper", "paper"), ("", ""), ("PAPER", ""), ("paper\x00", "paper"), ("circle ", "circle")]
+)
+def test_an_unknown_name_is_answered_with_the_nearest_and_all_shipped_ones(name, meant):
+    before = f"did you mean {meant}? Shipped" if meant else "shipped"
+    sentence = f"{name}: no such preset; {before} are barrel, circle, eight-repaired, "
     with pytest.raises(ValueError, match="^" + re.escape(sentence)):
         preset.load(name)
 

@@ -195,7 +195,7 @@ def test_a_repair_that_cannot_be_made_is_a_sentence_and_exit_1(run: Call, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["certify", "papper"], "papper: no such preset; shipped are"),
+        (["certify", "papper"], "papper: no such preset; did you mean paper? Shipped are"),
         (["certify"], "Missing"),
         (["certify", "circle", "-o", "nowhere/c.json"], "-o nowhere/c.json: no such folder"),
         (["verify"], "no file was named"),

@@ -276,7 +276,7 @@ BAD = [
     (["analyze"], "Missing from rangenav analyze: PRESET ("),
     (["analyze", "paper", "twice"], "not understood: twice (see rangenav analyze --help)"),
     (["analyze", "paper", "twice"], "twice"),
-    (["analyze", "papper"], "papper: no such preset; shipped are barrel"),
+    (["analyze", "papper"], "papper: no such preset; did you mean paper? Shipped are barrel"),
     (["analyze", "none.toml"], "none.toml: no such file"),
     (["analyze", "."], "no such preset"),
     (["analyze", "broken.toml"], "broken.toml: Expected `float`, got `str` - at `$.duration`"),
