@@ -111,6 +111,11 @@ def test_an_estimate_has_two_digits_and_says_what_limits_it(small: study.Study):
     said = planned(many, workers=1_000_000)
     assert "about 41 s with 1 000 000 workers, if each has a core of its own: this machine has 2" in said
     assert "no more than 12 workers have something to do" in said
+    assert "deal out" not in said
+    wide = replace(small.file.parameters[0], count=100_000)
+    wide = study.of_file(replace(small.file, parameters=(wide,), runs=1000), small.bases)
+    said = planned(wide, workers=1_000_000)  # 4.06e5 s in parts of 6 s or less: 27 000 workers, 250 parts a second
+    assert "one program and its scheduler deal out no more parts in this time" in said
 
 
 def test_a_plan_names_keys_that_decide_nothing_and_every_kind_of_reason(small: study.Study):
