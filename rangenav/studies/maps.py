@@ -60,19 +60,28 @@ class StudyMap:
 
 
 def coarse_to_fine(
-    study: Study, *, every: float = EVERY, progress: Progress = unheard, cancelled: Cancelled = never
+    study: Study,
+    *,
+    begun: StudyMap | None = None,
+    every: float = EVERY,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Iterator[StudyMap]:
     """Maps of a grid of two parameters, each with more points than the one before; the last one has all.
 
-    every: s between two maps, at least. The arrays of a map are its own. Raises ValueError if the study is no grid of
+    begun: a map of the same study that was stopped; its points are not computed again. every: s between two maps, at
+    least. The arrays of a map are its own. Raises ValueError if the study is no grid of
     two parameters with numbers, and CancelledError when it is cancelled.
     """
     _refuse(study)
     shape, names = study.shape, study.file.metrics
     values = {name: np.full(shape, np.nan) for name in names}
     computed, reason = np.zeros(shape, dtype=bool), np.full(shape, "", dtype=object)
+    if begun is not None:
+        values = {name: begun.values[name].copy() for name in names}
+        computed, reason = begun.computed.copy(), begun.reason.copy()
     first, second = study.values.values()
-    complete, last = 0, time.monotonic()
+    complete, last = 0 if begun is None else begun.step, time.monotonic()
 
     def now() -> StudyMap:
         return StudyMap(
@@ -97,7 +106,7 @@ def coarse_to_fine(
             if time.monotonic() - last >= every:
                 yield now()
                 last = time.monotonic()
-        complete = step
+        complete = min(complete or step, step)
         yield now()
         last = time.monotonic()
 

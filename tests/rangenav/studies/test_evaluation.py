@@ -112,6 +112,21 @@ def test_a_map_comes_from_coarse_to_fine_and_ends_with_the_values_of_the_points(
     assert (first.filled("sigma_lifted") == first.values["sigma_lifted"][0, 0]).all()
 
 
+def test_a_map_that_was_stopped_goes_on_without_computing_its_points_again(
+    small: study.Study, monkeypatch: pytest.MonkeyPatch
+):
+    of, indices = changed(small, runs=1), []
+    *_, whole = maps.coarse_to_fine(of)
+    begun = next(maps.coarse_to_fine(of, every=0.0))
+    point = evaluation.point
+    monkeypatch.setattr(evaluation, "point", lambda one, k, **more: indices.append(k) or point(one, k, **more))
+    first, *_, last = maps.coarse_to_fine(of, begun=begun)
+    assert sorted(indices) == np.flatnonzero(~begun.computed.ravel()).tolist()
+    assert first.computed[begun.computed].all()
+    assert last.values["sigma_lifted"].tolist() == whole.values["sigma_lifted"].tolist()
+    assert last.step == 1
+
+
 def test_a_map_that_is_not_wanted_stops(small: study.Study):
     with pytest.raises(CancelledError):
         list(maps.coarse_to_fine(small, cancelled=lambda: True))
