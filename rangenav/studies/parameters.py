@@ -17,6 +17,8 @@ from rangenav.field_path import COMPONENTS
 from rangenav.inputs import Input, require
 
 MAX_VALUES = 100_000
+ROUNDING = 4.0
+"""A step from end to end is off by so many units in the last place of the larger end, at most."""
 TIME_SCALE, SIZE = "time_scale", "size"
 DERIVED = {
     SIZE: "size: the path is this many times as large, about the middle of its box",
@@ -127,8 +129,12 @@ class Linear(_Spread, frozen=True, kw_only=True, tag="linear", tag_field="kind")
         require(self.low < self.high, f"low must lie below high, got {self.low:g} and {self.high:g}")
 
     def grid(self) -> Float[Array, "n"]:
-        """The values of a grid."""
-        return np.linspace(self.low, self.high, self.count or 0)
+        """The values of a grid. One that is nearer to zero than the ends are rounded is zero."""
+        values = np.linspace(self.low, self.high, self.count or 0)
+        resolution = ROUNDING * np.finfo(float).eps * max(abs(self.low), abs(self.high))
+        inner = values[1:-1]
+        inner[np.abs(inner) < resolution] = 0.0
+        return values
 
     def quantile(self, share: Float[Array, "m"]) -> Float[Array, "m"]:
         """The values at shares between 0 and 1 of the way from low to high."""

@@ -146,6 +146,16 @@ BROKEN = {
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 12': "points must be a power of two, got 12",
     'metrics = ["mu"]\n[design]\nkind = "sobol"\npoints = 8': "a sample needs one parameter or more",
 }
+
+
+def test_a_value_that_is_zero_but_for_rounding_is_zero_and_the_ends_are_as_written():
+    values = Linear(path="world.anchor.y", low=-1.8, high=1.8, count=7).grid()
+    assert values[3] == 0.0
+    assert values.tolist() == pytest.approx([-1.8, -1.2, -0.6, 0.0, 0.6, 1.2, 1.8])
+    assert Linear(path="world.anchor.y", low=1e-20, high=1.0, count=3).grid()[0] == 1e-20
+    assert Linear(path="world.anchor.y", low=-1e-20, high=1e-20, count=5).grid()[1] == -5e-21
+
+
 PARAMETER = 'metrics = ["mu"]\n[[parameters]]\nkind = "linear"\n'
 VALUES = "low = 1\nhigh = 2\ncount = 2\n"
 AGAIN = (
