@@ -143,8 +143,8 @@ class Labels:
         text: str = "",
         side: Side = "bottom-center",
     ) -> Label:
-        """A label below the node that its name begins with."""
-        handle = self._scene.add_label(name, text, anchor=side, font_screen_scale=SCALE)
+        """A label below the node that its name begins with; it is hidden until `arrange` has found it a place."""
+        handle = self._scene.add_label(name, text, anchor=side, font_screen_scale=SCALE, visible=False)
         label = Label(handle=handle, position=position, rank=rank, text=text, side=side)
         self._all.append(label)
         self._all.sort(key=lambda one: one.rank)
