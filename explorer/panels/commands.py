@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from explorer.lessons.lesson import Place
-from explorer.web import accessibility, cells, keys
+from explorer.web import accessibility, cells, keys, menus
 from explorer.web.elements import Step, place_of
 from explorer.widgets.form import Form
 
@@ -31,6 +31,7 @@ class Commands:
         keys.install(client, shown)
         accessibility.install(client, form.hints | shown)
         cells.install(client)
+        menus.install(client)
         for tab in (*TABS, *(("Class",) if in_class else ())):
             self._go(f"{tab} tab", [("tab", tab)], "")
         for name in hints:
