@@ -2,8 +2,9 @@
 
 import html
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import viser
 
@@ -23,6 +24,7 @@ class Complaint:
 
     def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
         self._boxes: tuple[str, ...] = ()
+        self._sentence = ""
         self._line = gui.add_html("", visible=False, order=order)
 
     @property
@@ -36,7 +38,7 @@ class Complaint:
         With a `text`, show an excerpt of it that points at the column which the sentence names. `boxes` are the ids of
         the text boxes that get a red edge meanwhile.
         """
-        self._boxes = tuple(boxes)
+        self._boxes, self._sentence = tuple(boxes), sentence
         sentence, more = in_labels(sentence), [in_labels(line) for line in more]
         lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
         alert = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
@@ -45,6 +47,10 @@ class Complaint:
         if shown != self._line.content:
             self._line.content = shown
         self._line.visible = True
+
+    def says(self, sentence: str) -> bool:
+        """Whether a sentence is shown."""
+        return self._line.visible and self._sentence == sentence
 
     def is_about(self, box: str) -> bool:
         """Whether the sentence that is shown is about the text box of an id."""
@@ -68,6 +74,34 @@ class InvalidInputError(Exception):
         self.complaint, self.text = complaint, text
         self.others: tuple[str, ...] = ()
         """Why other controls hold no valid input either."""
+
+
+class ReasonsError(ValueError):
+    """Several values that cannot be used, each with its reason. As a sentence it is the first."""
+
+    def __init__(self, reasons: Sequence[str]) -> None:
+        """reasons: one at least."""
+        super().__init__(reasons[0])
+        self.reasons = tuple(reasons)
+
+
+def all_of(*reads: Callable[[], Any]) -> list[Any]:
+    """What each of these reads. Raises ReasonsError with the reasons of all that raise ValueError."""
+    values: list[Any] = []
+    reasons: list[str] = []
+    for read in reads:
+        try:
+            values.append(read())
+        except ValueError as error:
+            reasons += reasons_of(error)
+    if reasons:
+        raise ReasonsError(reasons)
+    return values
+
+
+def reasons_of(error: BaseException | None) -> tuple[str, ...]:
+    """The reasons that an error names, the first one first."""
+    return error.reasons if isinstance(error, ReasonsError) else (str(error),)
 
 
 class Refusals:
@@ -97,8 +131,8 @@ class Refusals:
 def _reasons(error: InvalidInputError | ValueError) -> tuple[str, ...]:
     """Why controls hold no valid input."""
     if isinstance(error, InvalidInputError):
-        return (str(error.__cause__), *error.others)
-    return (str(error),)
+        return (*reasons_of(error.__cause__), *error.others)
+    return reasons_of(error)
 
 
 def pointer(text: str, sentence: str) -> str:

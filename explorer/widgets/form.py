@@ -178,6 +178,11 @@ class Form:
         self._answer = place
         place.say(sentence, more=more)
 
+    def forget_repeated(self, sentence: str) -> None:
+        """Remove the answer if it is a sentence that is shown below controls by now."""
+        if self._answer is not None and self._answer.says(sentence):
+            self.forget_answer()
+
     def forget_answer(self) -> None:
         """Remove the sentence that says why a button did nothing."""
         if self._answer is not None:

@@ -8,7 +8,7 @@ from typing import Any
 from explorer.model.glossary import in_labels
 from explorer.web.elements import element_id
 from explorer.web.in_order import in_order
-from explorer.widgets.complaint import Complaint, InvalidInputError
+from explorer.widgets.complaint import Complaint, InvalidInputError, reasons_of
 from explorer.widgets.form import Form, Resettable
 
 COMPLAINTS, RESETS = 1e6, 2e6
@@ -65,10 +65,14 @@ class Section:
         return tuple(self._controls)
 
     def boxes_named(self, reason: BaseException | None) -> list[str]:
-        """The ids of the text boxes of the control that a reason begins with."""
-        sentence = in_labels(str(reason))
-        named = [one for one in self._controls if sentence.startswith(one.name.partition(" (")[0])]
-        return [element_id(box) for one in named for box in one.boxes]
+        """The ids of the text boxes of the controls that the reasons begin with, or are compared with."""
+        found: list[str] = []
+        for sentence in map(in_labels, reasons_of(reason)):
+            for one in self._controls:
+                name = one.name.partition(" (")[0]
+                if sentence.startswith(name) or f"than {name}" in sentence:
+                    found += [element_id(box) for box in one.boxes]
+        return found
 
     @property
     def visible(self) -> bool:
@@ -117,12 +121,16 @@ class Section:
         try:
             yield
         except ValueError as error:
-            self.answer(str(error))
+            first, *more = reasons_of(error)
+            self.answer(first, more=more)
             raise InvalidInputError from error
 
     def answer(self, sentence: str, *, more: Sequence[str] = ()) -> None:
-        """Say here why a button did nothing, until the next answer or the next picture."""
+        """Say here why a button did nothing, until the next answer or the next picture; what is said already is not
+        said twice."""
         self.form.forget_answer()
+        if self.complaint.says(sentence):
+            return
         with self._folder:
             self.form.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
 
@@ -176,9 +184,10 @@ def complaining(*sections: Section) -> Iterator[None]:
             for complaint in complaints[: complaints.index(refusal.complaint)]:
                 complaint.clear()
             section = sections[complaints.index(refusal.complaint)]
-            refusal.complaint.say(
-                str(refusal.__cause__), text=refusal.text, boxes=section.boxes_named(refusal.__cause__)
-            )
+            cause = refusal.__cause__
+            first, *more = reasons_of(cause)
+            refusal.complaint.say(first, text=refusal.text, more=more, boxes=section.boxes_named(cause))
+            section.form.forget_repeated(first)
         raise
     for complaint in complaints:
         complaint.clear()
