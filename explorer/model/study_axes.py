@@ -38,6 +38,19 @@ FIRST = (
 OMITTED = ("version", "seed", "source", "requirement.mu", "requirement.position_sigma")
 """Keys that change no run, or that the results of a map are compared with."""
 DERIVED_LABELS = {SIZE: "size of the path", TIME_SCALE: "time scale"}
+OWN_LABELS = {
+    "sensors.unmodelled.outlier_probability": "probability of outliers",
+    "sensors.unmodelled.dropout_probability": "probability of drop-outs",
+}
+"""Labels of sliders in per cent, which do not say of what on an axis."""
+SIGNAL_UNITS = {"path": ("m", "m/s"), "angular_velocity": ("rad/s", "rad/s²")}
+"""Of a signal's amplitudes and offsets, and of its drift."""
+OWN_UNITS = {
+    "initial_rotation": "rad",
+    "vehicle.height_min": "m",
+    "vehicle.height_max": "m",
+    "vehicle.anchor_distance_min": "m",
+}
 TIMES = "×"
 """The unit of both: so many times as large as now, so many times slower."""
 MAX_ENTRIES = 40
@@ -71,7 +84,7 @@ def candidates(preset: Preset) -> tuple[Candidate, ...]:
     """Every number of a preset that a map can vary; what most maps are about first."""
     table = msgspec.json.decode(msgspec.json.encode(preset))
     rows = {path: key for path, key in _numbers(table, "", "") if not key.startswith(OMITTED)}
-    of_file = {path: Candidate(path, _label(path, key), _unit(preset, path, key)) for path, key in rows.items()}
+    of_file = {path: Candidate(path, _label(table, path, key), _unit(preset, path, key)) for path, key in rows.items()}
     known = of_file | {path: Candidate(path, label, TIMES) for path, label in DERIVED_LABELS.items()}
     first = [path for path in FIRST if path in known]
     return tuple(known[path] for path in [*first, *(path for path in known if path not in first)])
@@ -165,12 +178,27 @@ def _numbers(entry: Any, path: str, key: str) -> Iterator[tuple[str, str]]:
             yield from _numbers(inner, f"{path}.{part}", f"{key}.{part}" if vector else f"{key}[{part}]")
 
 
-def _label(path: str, key: str) -> str:
-    """What the page calls the number."""
+def _label(table: Any, path: str, key: str) -> str:
+    """What the page calls the number; of a tone with its axis."""
+    if path in OWN_LABELS:
+        return OWN_LABELS[path]
     vector, _, axis = key.rpartition(".")
     if axis in field_path.COMPONENTS:
         return f"{field_label(vector)} {axis}"
-    return field_label(key)
+    label, axis = field_label(key), _axis(table, path)
+    begin, comma, last = label.rpartition(", ")
+    word = "about" if path.startswith("angular_velocity") else "along"
+    return f"{begin} {word} {axis}{comma}{last}" if axis else label
+
+
+def _axis(table: Any, path: str) -> str:
+    """The axis that the entry of a list acts on, such as that of a tone; empty for any other number."""
+    *parts, _ = path.split(".")
+    if not parts or not parts[-1].isdecimal():
+        return ""
+    for part in parts:
+        table = table[int(part) - 1] if part.isdecimal() else table[part]
+    return str(table.get("axis", "")) if isinstance(table, dict) else ""
 
 
 def _unit(preset: Preset, path: str, key: str) -> str:
@@ -178,4 +206,11 @@ def _unit(preset: Preset, path: str, key: str) -> str:
     documented = units.of(Linear(path=path, low=0.0, high=1.0), preset)
     field = key.rpartition(".")[0] if key.rpartition(".")[2] in field_path.COMPONENTS else key
     known = next((term.unit for term in TERMS.values() if field in term.fields), "")
-    return documented or ("" if known in ("%", "°") else known)
+    return documented or OWN_UNITS.get(field, "") or ("" if known in ("%", "°") else known) or _of_signal(field)
+
+
+def _of_signal(field: str) -> str:
+    """The unit of an amplitude, an offset or a drift; empty for any other number of a signal."""
+    of_value, of_drift = SIGNAL_UNITS.get(field.partition(".")[0], ("", ""))
+    rows = {"amplitude": of_value, "offset": of_value, "value": of_value, "drift": of_drift, "period": "s"}
+    return rows.get(field.rpartition(".")[2], "") if of_value else ""

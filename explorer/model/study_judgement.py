@@ -4,6 +4,7 @@ judged(map, metric, bound)    the best cell, and the shares that meet the bound
 contour                       where log₁₀ of the metric, or the metric, has the value of the bound
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import contourpy
@@ -11,10 +12,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
-from explorer.model.study_map import FLYABLE, Cell
+from explorer.model.study_map import FLYABLE, Axis, Cell
+from rangenav.preset import Preset
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS, ROWS
-from rangenav.studies.requirements import Bound
+from rangenav.studies.requirements import DEPENDENT, Bound, bound_of
 
 DECADES = 4.0
 """Most of a logarithmic scale, from its best end: a blind map reaches 10⁸ m, and the rest would have one colour."""
@@ -104,6 +106,38 @@ def contour(of: StudyMap, metric: str, bound: Bound | None) -> list[Float[Array,
     across, upwards = (np.arange(count) * float(of.step) for count in scaled.shape)
     drawn = contourpy.contour_generator(across, upwards, np.ma.masked_invalid(scaled.T))
     return [np.asarray(line) for line in drawn.lines(level)]
+
+
+def limits_of(preset: Preset, axes: Sequence[Axis]) -> dict[str, Bound]:
+    """The limits of a preset's vehicle that are metrics, too; none where an axis of the map varies the vehicle."""
+    if any(axis.path.startswith("vehicle.") for axis in axes):
+        return {}
+    bounds = {row.name: bound_of(row.name, preset) for row in ROWS if row.needs == "motion" and row.name in DEPENDENT}
+    return {name: bound for name, bound in bounds.items() if bound is not None}
+
+
+def broken_limits(of: StudyMap, limits: Mapping[str, Bound], cell: Cell) -> tuple[str, ...]:
+    """The titles of the metrics that are beyond their limits at a cell."""
+    known = {name: bound for name, bound in limits.items() if name in of.values}
+    values = {name: of.values[name][cell][None] for name in known}
+    return tuple(METRICS[name].title for name, bound in known.items() if not bound.met(values[name]).all())
+
+
+def without_effect(of: StudyMap, metric: str) -> tuple[int, ...]:
+    """The axes, 0 across and 1 upwards, along which no computed value of a metric differs from another; none before
+    the first level is complete, and none where no two values can be compared."""
+    values = np.where(of.computed & (of.reason == ""), of.values[metric], np.nan)
+    if of.step == 0 or not np.isfinite(values).any():
+        return ()
+    return tuple(axis for axis in (0, 1) if _constant(values, axis))
+
+
+def _constant(values: Float[Array, "n m"], axis: int) -> bool:
+    known = ~np.isnan(values)
+    several = known.sum(axis=axis) > 1
+    most = np.where(known, values, -np.inf).max(axis=axis)
+    least = np.where(known, values, np.inf).min(axis=axis)
+    return bool(several.any() and (most == least)[several].all())
 
 
 def not_flyable(of: StudyMap) -> Bool[Array, "n m"]:

@@ -14,6 +14,7 @@ import numpy as np
 from explorer.model.settings import Settings, effective
 from explorer.model.study_axes import COUNT, any_length
 from rangenav import field_path
+from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.studies import study
 from rangenav.studies.metrics import METRICS, ROWS
@@ -69,11 +70,22 @@ READY = (
 )
 
 
+MATCHED = (
+    "the gains of this design are noise-matched: they follow from the noise, so the range weight q does nothing. "
+    "Choose “constant” under Gains first, or map the range noise σ and k1 in axes of your own"
+)
+
+
+def refuse_idle(ready: Ready, preset: Preset) -> None:
+    """Raise ValueError if a parameter of a ready map does nothing with the gains of a design."""
+    require(not (ready.paths[0].startswith("gains.riccati.") and preset.gains.mode == "noise-matched"), MATCHED)
+
+
 def metrics_with(metric: str) -> tuple[str, ...]:
     """All metrics that cost nothing more than one of them does, and whether the vehicle can fly the motion."""
     needed = METRICS[metric].needs
     if needed == "run":
-        return (*(row.name for row in ROWS if row.needs == "run"), FLYABLE)
+        return tuple(row.name for row in ROWS if row.needs in ("motion", "run"))
     also = "analysis" if needed == "verdict" else needed  # a verdict has them on its way
     return tuple(row.name for row in ROWS if row.needs in ("motion", needed, also))
 

@@ -3,6 +3,7 @@
 The names of the fields are part of the file format of saved work.
 """
 
+from explorer.model.chosen_map import ChosenMap
 from explorer.model.comparison import Name
 from explorer.model.learning import Learning
 from explorer.model.settings import Settings
@@ -29,6 +30,8 @@ class View(Input, frozen=True, kw_only=True):
     """Whether the pinned run stays when another preset is opened."""
     learning: Learning = Learning()
     """Where the visitor is in the course."""
+    map: ChosenMap | None = None
+    """What is chosen under Studies; None for what a new page offers."""
     past: tuple[Settings, ...] = ()
     """What can be undone, the oldest first; the last one is what was on the page."""
     future: tuple[Settings, ...] = ()

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from explorer.lessons import course
+from explorer.lessons.lesson import Place
 from explorer.model.assessment import Cure
 from explorer.model.compute import Picture
 from explorer.model.glossary import MOTION
@@ -28,6 +29,7 @@ from explorer.panels.presets.printed import PrintedPanel
 from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.session_actions import SessionActions
 from explorer.panels.studies import StudiesPanel
+from explorer.panels.studies.picture import PLACE
 from explorer.panels.undo import UndoPanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.welcome import add_welcome
@@ -86,7 +88,15 @@ class DockTabs(Page):
             self.compare = ComparePanel(form, jobs, session_actions.show_side_by_side)
         with tabs.add_tab("Studies"):
             first = catalog.presets[name]
-            self.studies = StudiesPanel(form, self, jobs, catalog, session_actions.send, first=first)
+            self.studies = StudiesPanel(
+                form,
+                self,
+                jobs,
+                catalog,
+                session_actions.send,
+                first=first,
+                show=lambda: session_actions.go_to_place(Place("Studies", (), PLACE)),
+            )
         self._controls = Controls(
             motion=self.motion,
             twin=self.twin,

@@ -30,6 +30,7 @@ def view_of(dock: Dock, history: History, playback: Playback) -> View:
         pinned=compare.pinned_settings,
         keep_pinned=compare.keep_pinned.read(),
         learning=dock.learn.learning,
+        map=dock.studies.chosen,
         past=past,
         future=future,
     )
@@ -53,6 +54,7 @@ def restore(
     if not as_a_step:
         dock.write(settings)
         dock.compare.restore(view, pinned)
+        dock.studies.restore(view.map, settings.preset)
         dock.learn.restore(msgspec.structs.replace(view.learning, before=before))
 
 

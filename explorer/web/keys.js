@@ -100,7 +100,12 @@
     const dock = document.querySelector('[data-dock-region="right"]') || document;
     const button = () => [...inside(heading).querySelectorAll('button'), ...dock.querySelectorAll('button')].find(
       one => one.textContent.trim() === wanted && !one.dataset.rnEvent && one.getBoundingClientRect().height > 0);
-    return label ? row(label) : document.querySelector(`[data-plot="${wanted}"]`) || button();
+    return label ? row(label) : document.querySelector(`[data-plot="${wanted}"], [data-rn-place="${wanted}"]`) || button();
+  };
+  const intoSight = wanted => {  // a picture is drawn anew while it fills; one that is in sight stays where it is
+    const place = document.querySelector(`[data-rn-place="${wanted}"]`), box = place && place.getBoundingClientRect();
+    const seen = y => place.contains(document.elementFromPoint(box.left + box.width / 2, y));
+    if (box && !(seen(box.top + 2) && seen(box.bottom - 2))) place.scrollIntoView({block: 'center'});
   };
   const go = async (steps, wanted) => {
     for (const step of steps) await show(step);
@@ -110,6 +115,7 @@
     const place = found(wanted, around) || found(wanted);
     if (!place) return;
     // a folder that is being opened still grows
+    if (place.dataset.rnPlace) { [0, 350, 800].forEach(later => setTimeout(() => intoSight(wanted), later)); return; }
     [0, 350, 800].forEach(later => setTimeout(() => place.scrollIntoView({block: 'center'}), later));
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
     place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: still ? 1 : 0.6}, {background: still ? '#56B4E966' : '#56B4E900'}], 1800);

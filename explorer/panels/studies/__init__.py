@@ -8,31 +8,32 @@ and none of its cells can be taken. Autosave and undo do not include it.
 import re
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from contextlib import suppress
 from functools import partial
 
-from explorer.model import study_axes
+from explorer.model.chosen_map import ChosenMap
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
-from explorer.model.settings import Settings
-from explorer.model.study_judgement import judged
-from explorer.model.study_map import READY, Axis, Place, Ready, design, index_of, study_of, values_at
-from explorer.panels.studies import text
-from explorer.panels.studies.choice import MapChoice
+from explorer.model.settings import Settings, effective
+from explorer.model.study_map import READY, Place, Ready, design, study_of, values_at
+from explorer.panels.studies import showing
+from explorer.panels.studies.choice import COMPUTE, MapChoice
 from explorer.panels.studies.files import MapFiles
 from explorer.panels.studies.picture import EVENT, Shown, markup
+from explorer.panels.studies.showing import Filling
+from explorer.storage import preset_file
 from explorer.storage.bundle import Send
 from explorer.storage.catalog import Catalog
 from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE, escaped
 from explorer.widgets.page import Page
 from explorer.widgets.progress import ProgressPanel
+from explorer.widgets.section import Section
 from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
 from rangenav.studies import maps
 from rangenav.studies.maps import StudyMap
-from rangenav.studies.requirements import bound_of
 from rangenav.studies.study import Study
 
 PERIOD = 0.5
@@ -44,47 +45,51 @@ INTRODUCTION = (
 OTHER_DESIGN = "the design has changed: this map is of the earlier one, so compute it again"
 OTHER_CHOICE = "the axes, the metric or the seeds have changed: this map is of the earlier ones, so compute it again"
 FOLLOWS = "this page follows a presentation: make a copy first"
+AGAIN = (
+    "The axes, the points and the metric of your map are as you left them; its values are not kept. "
+    f"“{COMPUTE}” computes them again."
+)
 NO_MAP = "there is no map yet: start one first"
 CELL = re.compile(rf"{EVENT}-(\d{{1,4}})-(\d{{1,4}})", re.ASCII)
-
-
-@dataclass
-class Filling:
-    """One map while it is computed and afterwards. The job's thread assigns `map`, and the session's loop reads it."""
-
-    study: Study
-    place: Place
-    metric: str
-    map: StudyMap | None = None
 
 
 class StudiesPanel:
     """Buttons of ready maps, the map with its progress and its files, and the axes."""
 
-    def __init__(self, form: Form, page: Page, jobs: Jobs, catalog: Catalog, send: Send, *, first: Preset) -> None:
-        """`send` downloads a file. first: a preset whose parameters are offered until there is a picture."""
-        self._form, self._page, self._catalog = form, page, catalog
+    def __init__(
+        self, form: Form, page: Page, jobs: Jobs, catalog: Catalog, send: Send, *, first: Preset, show: Action
+    ) -> None:
+        """`send` downloads a file, and `show` brings the map into sight. first: a preset whose parameters are offered
+        until there is a picture."""
+        self._form, self._page, self._catalog, self._show = form, page, catalog, show
         self.filling: Filling | None = None
         """The map on the page; None before the first one."""
         self.follows: Callable[[], bool] = lambda: False
         """Whether the page follows a presentation; the session knows."""
         self._settings: Settings | None = None
+        self._chosen: ChosenMap | None = None
+        """What could be used last."""
+        self._computed_before = False
+        """Whether there was a map before a reload that was not computed again."""
         self._open, self._drawn_at = True, float("-inf")
         self._drawn: tuple[StudyMap | None, object] = None, None
         """The map that was drawn last, and everything else that decided the picture."""
-        form.gui.add_html(NOTE.format(escaped(INTRODUCTION)))
+        self._ready = Section(form)
+        with self._ready:
+            form.gui.add_html(NOTE.format(escaped(INTRODUCTION)))
+            for ready in READY:
+                form.button(ready.question, partial(self.start_ready, ready), hint=ready.hint)
         for ready in READY:
-            form.button(ready.question, partial(self.start_ready, ready), hint=ready.hint)
             form.command(f"Map: {ready.question}", partial(self.start_ready, ready), step=False)
         self.progress = ProgressPanel(form, jobs)
         self.block = form.gui.add_html("", visible=False)
-        self._files = MapFiles(form, self._on_page, send)
+        self._files = MapFiles(form, self._on_page, self._design_file, send)
         self.choice = MapChoice(form, first, self.start)
         form.command("Put the last control on the map's axis across", self._put_last_across, step=False)
 
     def start_ready(self, ready: Ready) -> None:
         """Start one of the ready maps."""
-        with self.choice.section.answering():
+        with self._ready.answering():
             self._refuse_following()
             self.choice.write_ready(ready, self._page.read().preset)
         self.start()
@@ -96,16 +101,18 @@ class StudiesPanel:
             settings, (axes, metric, runs) = self._page.read(), self.choice.read()
             base = design(settings, (axes[0].path, axes[1].path))
             of = study_of(settings, axes, metric, runs, file=self._file_name(settings.origin, base))
-            filling = Filling(of, Place(settings, of), metric)
+            filling = self._stopped(settings) or Filling(of, Place(settings, of), metric)
+            of, begun = filling.study, filling.map
 
         def work(progress: Progress, cancelled: Cancelled) -> StudyMap:
-            for newest in maps.coarse_to_fine(of, progress=progress, cancelled=cancelled):
+            for newest in maps.coarse_to_fine(of, begun=begun, progress=progress, cancelled=cancelled):
                 filling.map = newest
             assert filling.map is not None, "a map has a point at least"
             return filling.map
 
-        self.filling, self._settings = filling, settings
+        self.filling, self._settings, self._computed_before = filling, settings, False
         self.progress.start(f"map of {of.count} points", work, lambda _: None, self.choice.section.complaint.say)
+        self._show()
 
     def take(self, i: int, j: int) -> None:
         """Make a cell of the map the design on the page."""
@@ -164,9 +171,27 @@ class StudiesPanel:
     def forget_preset(self) -> None:
         """Stop and drop the map: it belongs to a preset that is not on the page any more."""
         self.progress.stop()
-        self.filling, self._drawn = None, (None, None)
+        self.filling, self._drawn, self._computed_before = None, (None, None), False
         self.block.visible = False
         self._files.show(False)
+
+    @property
+    def chosen(self) -> ChosenMap | None:
+        """What is remembered of the tab; while a box holds nothing that can be used, what was chosen before."""
+        with suppress(ValueError):
+            (across, upwards), metric, runs = self.choice.read()
+            drawn = self._computed_before or (self.filling is not None and self.filling.map is not None)
+            self._chosen = ChosenMap(across=across, upwards=upwards, metric=metric, runs=runs, drawn=drawn)
+        return self._chosen
+
+    def restore(self, chosen: ChosenMap | None, design: Preset) -> None:
+        """Show what was chosen in an earlier visit, and say that a map must be computed again."""
+        if chosen is None:
+            return
+        self.choice.restore(chosen, design)
+        self._computed_before = chosen.drawn
+        if chosen.drawn:
+            self.block.content, self.block.visible = NOTE.format(escaped(AGAIN)), True
 
     def _filled(self) -> tuple[Filling, StudyMap]:
         """The map on the page. Raises ValueError if there is none."""
@@ -175,32 +200,26 @@ class StudiesPanel:
             raise ValueError(NO_MAP)
         return filling, filling.map
 
+    def _stopped(self, settings: Settings) -> Filling | None:
+        """The map on the page if it was stopped and is of what is chosen, so that it goes on; None otherwise."""
+        filling = self.filling
+        if filling is None or filling.map is None or filling.map.share == 1 or filling.place.values(settings) is None:
+            return None
+        return None if self._outdated(filling) else filling
+
     def _on_page(self) -> tuple[Study, Shown]:
         filling, of = self._filled()
         return filling.study, self._shown(filling, of)
 
+    def _design_file(self) -> tuple[str, bytes]:
+        settings = self._page.read()
+        original = self._catalog.presets[settings.origin]
+        return preset_file.file_name(settings.origin, effective(settings), original), preset_file.document(settings)
+
     def _shown(self, filling: Filling, of: StudyMap) -> Shown:
-        axes, metric = filling.place.axes, self._metric_shown(filling)
-        (base,) = filling.study.bases
-        names = study_axes.candidate(base, axes[0].path), study_axes.candidate(base, axes[1].path)
-        values = None if self._settings is None else filling.place.values(self._settings)
-        cross, bound = None if values is None else _cross(axes, values), bound_of(metric, base)
-        said = text.sentence(
-            of, names, metric, bound, judged(of, metric, bound, cross), values, inside=cross is not None
-        )
-        if self.progress.running is None and of.share < 1:
-            said = f"Stopped: {int(of.computed.sum())} of {of.computed.size} points are computed. {said}"
-        return Shown(
-            map=of,
-            axes=axes,
-            names=names,
-            metric=metric,
-            bound=bound,
-            cross=cross,
-            sentence=said,
-            outdated=self._outdated(filling),
-            runs=filling.study.file.runs,
-        )
+        running = self.progress.running is not None
+        metric, outdated = self._metric_shown(filling), self._outdated(filling)
+        return showing.shown(filling, of, self._settings, metric, outdated=outdated, running=running)
 
     def _metric_shown(self, filling: Filling) -> str:
         """The metric that is chosen, if the map has it."""
@@ -234,9 +253,3 @@ class StudiesPanel:
         """How the study's file names its preset: by its name as it is shipped, else by a file to be put beside it."""
         shipped = ":" not in origin and self._catalog.presets.get(origin) == base
         return origin if shipped else f"{origin.rpartition(':')[2] or 'design'}-map.toml"
-
-
-def _cross(axes: tuple[Axis, Axis], values: tuple[float, float]) -> tuple[float, float] | None:
-    """The present design in indices; None outside the map."""
-    x, y = (index_of(axis, value) for axis, value in zip(axes, values, strict=True))
-    return None if x is None or y is None else (x, y)

@@ -1,11 +1,13 @@
 """One axis of a map: its parameter, the ends of its range, how many points it has and how they are spaced."""
 
 import math
+from functools import partial
 
 from explorer.model import study_axes
 from explorer.model.glossary import STUDIES
 from explorer.model.study_axes import MAX_COUNT, MIN_COUNT
 from explorer.model.study_map import Axis
+from explorer.widgets.complaint import all_of
 from explorer.widgets.controls import Choice, Number
 from explorer.widgets.section import Section
 from rangenav.inputs import require
@@ -31,18 +33,29 @@ class AxisControls:
         self.write(study_axes.usual(preset, path))
 
     def read(self) -> Axis:
-        """The parameter with its range. Raises ValueError with a sentence that begins with the label of a box."""
-        path, spacing = self.parameter.read(), self.spacing.read()
-        low, high, count = self.low.read(), self.high.read(), self.count.read()
+        """The parameter with its range. Raises ReasonsError: a sentence for each box that cannot be used, which begins
+        with its label."""
+        path, spacing, low, high, count = all_of(
+            self.parameter.read, self.spacing.read, self.low.read, self.high.read, self._count
+        )
+        all_of(
+            partial(self._check_ends, spacing, low, high),
+            partial(study_axes.refuse_time_scale, self.low.name, path, low),
+            partial(study_axes.refuse_time_scale, self.high.name, path, high),
+        )
+        return study_axes.parameter(path, low, high, count, spacing)
+
+    def _count(self) -> int:
+        count = self.count.read()
         whole = math.isfinite(count) and count == int(count) and MIN_COUNT <= count <= MAX_COUNT
         rule = f"{self.count.name} must be a whole number between {MIN_COUNT} and {MAX_COUNT}"
         require(whole, f"{rule}, got {count:g}")
+        return int(count)
+
+    def _check_ends(self, spacing: Scale, low: float, high: float) -> None:
         positive = spacing == "linear" or low > 0
         require(positive, f"{self.low.name} must be positive where points are spaced by equal factors, got {low:g}")
         require(low < high, f"{self.high.name} must be larger than {self.low.name}, got {high:g} and {low:g}")
-        study_axes.refuse_time_scale(self.low.name, path, low)
-        study_axes.refuse_time_scale(self.high.name, path, high)
-        return study_axes.parameter(path, low, high, int(count), spacing)
 
     def write(self, axis: Axis) -> None:
         """Show a parameter with its range."""
@@ -71,9 +84,5 @@ class AxisControls:
 
 
 def _labels(preset: Preset) -> dict[str, str]:
-    """The captions of all parameters by their paths; two of one name are told apart by their paths."""
-    captions = {one.path: one.caption for one in study_axes.candidates(preset)}
-    counts: dict[str, int] = {}
-    for caption in captions.values():
-        counts[caption] = counts.get(caption, 0) + 1
-    return {path: f"{caption}: {path}" if counts[caption] > 1 else caption for path, caption in captions.items()}
+    """The captions of all parameters by their paths. Each ends with its path: the menu finds it by that, too."""
+    return {one.path: f"{one.caption}: {one.path}" for one in study_axes.candidates(preset)}

@@ -3,9 +3,11 @@
 import msgspec
 
 from explorer.model import study_axes
+from explorer.model.chosen_map import MAX_RUNS, ChosenMap
 from explorer.model.glossary import STUDIES
-from explorer.model.study_map import READY, Axis, Ready
+from explorer.model.study_map import READY, Axis, Ready, refuse_idle
 from explorer.panels.studies.axis_controls import AxisControls
+from explorer.widgets.complaint import all_of
 from explorer.widgets.controls import Choice, Number
 from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE, escaped
@@ -14,7 +16,6 @@ from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.studies.metrics import ROWS
 
-MAX_RUNS = 50
 COMPUTE = "Compute the map"
 COMPUTE_HINT = "Computes every point, coarse ones first. The page stays usable; nothing on it changes."
 Options = tuple[tuple[Axis, Axis], str, int]
@@ -44,16 +45,30 @@ class MapChoice:
         section.check(self._checked)
 
     def read(self) -> Options:
-        """What is chosen. Raises ValueError with the reason."""
-        first, second = (controls.read() for controls in self.axes)
+        """What is chosen. Raises ReasonsError with the reason of each box that cannot be used."""
+        first, second, metric, runs = all_of(self.axes[0].read, self.axes[1].read, self.metric.read, self._runs)
         require(first.path != second.path, "upwards must be another parameter than across")
+        return (first, second), metric, runs
+
+    def _runs(self) -> int:
         runs, label = self.runs.read(), STUDIES["seeds per point"].label
         whole = runs == int(runs) and 1 <= runs <= MAX_RUNS
         require(whole, f"{label} must be a whole number between 1 and {MAX_RUNS}, got {runs:g}")
-        return (first, second), self.metric.read(), int(runs)
+        return int(runs)
+
+    def restore(self, chosen: ChosenMap, design: Preset) -> None:
+        """Choose what was chosen in an earlier visit; an axis that the design has not stays as it is."""
+        self.offer(design)
+        offered = {one.path for one in study_axes.candidates(design)}
+        for controls, axis in zip(self.axes, (chosen.across, chosen.upwards), strict=True):
+            if axis.path in offered:
+                controls.write(axis)
+        self.metric.write(chosen.metric, None)
+        self.runs.write(float(chosen.runs), None)
 
     def write_ready(self, ready: Ready, design: Preset) -> None:
         """Choose a ready map of a design. Raises ValueError if the design has not its parameters."""
+        refuse_idle(ready, design)
         for controls, path in zip(self.axes, ready.paths, strict=True):
             controls.write(msgspec.structs.replace(study_axes.usual(design, path), count=ready.count))
         self.metric.write(ready.metric, None)

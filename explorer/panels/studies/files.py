@@ -18,8 +18,10 @@ from rangenav.studies.study import Study
 LABEL = "save map as"
 HINT = (
     "CSV: every metric of every point that is computed. Study: the same map as a file for the command line, which "
-    "runs it with more points on more machines. Preset: the design that the study's file names."
+    "runs it with more points on more machines. Preset: the design on the page, which a click on a cell takes."
 )
+STUDY_PRESET = "Preset of the study"
+STUDY_PRESET_HINT = "The design that the map was computed for: the study's file names it, because it is no shipped one."
 STUDY_FILE = "map-study.toml"
 COMMAND = f"rangenav study run {STUDY_FILE} -o map.zarr"
 
@@ -27,15 +29,24 @@ COMMAND = f"rangenav study run {STUDY_FILE} -o map.zarr"
 class MapFiles:
     """A row of buttons, and the command that runs the study's file."""
 
-    def __init__(self, form: Form, shown: Callable[[], tuple[Study, Shown]], send: Send) -> None:
-        """shown: the map on the page; it raises ValueError if there is none. `send` downloads a file."""
-        self._shown, self._send, self._jobs = shown, send, form.new_jobs()
+    def __init__(
+        self,
+        form: Form,
+        shown: Callable[[], tuple[Study, Shown]],
+        design: Callable[[], tuple[str, bytes]],
+        send: Send,
+    ) -> None:
+        """shown: the map on the page; it raises ValueError if there is none. design: the file of the design on the
+        page, with its name. `send` downloads a file."""
+        self._shown, self._design, self._send, self._jobs = shown, design, send, form.new_jobs()
         pictures = {kind.upper(): partial(self._write, kind) for kind in ("png", "svg", "csv")}
         study = {"Study": self._write_study, "Preset": self._write_preset}
         self._section = Section(form)
         with self._section:
             self._buttons = form.buttons(LABEL, pictures | study, hint=HINT)
             self._command = form.gui.add_html("", visible=False)
+            self._own = form.button(STUDY_PRESET, self._write_study_preset, hint=STUDY_PRESET_HINT, quiet=True)
+            self._own.visible = False
         self._buttons.visible = False
 
     def show(self, visible: bool) -> None:
@@ -43,7 +54,7 @@ class MapFiles:
         if visible != self._buttons.visible:
             self._buttons.visible = visible
         if not visible:
-            self._command.visible = False
+            self._command.visible = self._own.visible = False
 
     def _write(self, kind: MapFormat) -> None:
         """Write a file in a job: a picture takes half a second."""
@@ -59,16 +70,20 @@ class MapFiles:
     def _write_study(self) -> None:
         """Download the study's file, and say how to run it."""
         with self._section.answering():
-            study, _ = self._shown()
+            study, shown = self._shown()
         (named,) = study.file.presets
         own = named.endswith(".toml")
-        first = f"Put it into one folder with <b>{escaped(named)}</b>, which the button “Preset” saves. " if own else ""
+        first = f"Put it into one folder with <b>{escaped(named)}</b>, which the button below saves. " if own else ""
         self._command.content = NOTE.format(f"{first}Then type, on any machine with rangenav:<pre>{COMMAND}</pre>")
-        self._command.visible = True
-        self._send(STUDY_FILE, study_file.dumps(study.file).encode())
+        self._command.visible, self._own.visible = True, own
+        self._send(STUDY_FILE, study_file.dumps(map_file.study(study, shown)).encode())
 
     def _write_preset(self) -> None:
         with self._section.answering():
+            self._send(*self._design())
+
+    def _write_study_preset(self) -> None:
+        with self._section.answering():
             study, _ = self._shown()
         (named,), (base,) = study.file.presets, study.bases
-        self._send(named if named.endswith(".toml") else f"{named}.toml", preset.dumps(base).encode())
+        self._send(named, preset.dumps(base).encode())

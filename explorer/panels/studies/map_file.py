@@ -2,18 +2,22 @@
 
 import csv
 import io
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
+import msgspec
 import numpy as np
 
 from explorer.charts.plot_file import DOTS, METADATA, drawing_settings
 from explorer.model import palette
 from explorer.model.basin import on_scale as colour_at
 from explorer.model.study_judgement import contour, not_flyable, shares
+from explorer.model.study_map import FLYABLE
 from explorer.panels.studies.picture import SHADES, Shown, end_of_scale, ticks, titled
 from explorer.panels.studies.text import wanted
 from rangenav.studies.metrics import METRICS
 from rangenav.studies.study import Study
+from rangenav.studies.study_file import StudyFile
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,19 +30,21 @@ SIZE = (6.4, 5.0)
 def table(of: Study, shown: Shown) -> bytes:
     """CSV in UTF-8: a line of names with their units, then a line for each point; the first parameter is the slowest.
 
-    A cell is empty where there is no value; "inf" where it is infinite. The last column says why a point is invalid.
+    A cell is empty where there is no value; "inf" where it is infinite. The last columns say why a point is invalid,
+    of which preset the map is, and which windows σ, μ and ranks are the worst of.
     """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     metrics = of.file.metrics
     named = [_named(one.path, one.unit) for one in shown.names]
-    writer.writerow([*named, *(_named(name, METRICS[name].unit) for name in metrics), "reason"])
-    of_map = shown.map
+    writer.writerow([*named, *(_named(name, METRICS[name].unit) for name in metrics), "reason", "preset", "windows"])
+    of_map, origin = shown.map, (shown.preset, _windows(of.file.metrics, shown.windows))
     for i, j in np.ndindex(of_map.computed.shape):
         if of_map.computed[i, j]:
+            place = repr(float(of_map.first[i])), repr(float(of_map.second[j]))
             values = (float(of_map.values[name][i, j]) for name in metrics)
             cells = ("" if np.isnan(value) else repr(value) for value in values)
-            writer.writerow([repr(float(of_map.first[i])), repr(float(of_map.second[j])), *cells, of_map.reason[i, j]])
+            writer.writerow([*place, *cells, of_map.reason[i, j], *origin])
     return buffer.getvalue().encode()
 
 
@@ -67,12 +73,41 @@ def picture(shown: Shown, kind: Literal["svg", "png"]) -> bytes:
         bar = figure.colorbar(drawn, ax=axes)
         written_ends = ["", ""] if ends is None else [end_of_scale(shown.metric, end) for end in ends]
         bar.set_ticks([0.0, 1.0], labels=written_ends)
-        if shown.bound is not None:
-            line = wanted(shown.metric, shown.bound)
-            figure.supxlabel(f"line: {line}; hatched: vehicle's limits broken", fontsize="small")
+        figure.supxlabel("\n".join(caption(shown)), fontsize="small")
         buffer = io.BytesIO()
         figure.savefig(buffer, format=kind, dpi=DOTS, metadata=METADATA[kind])
     return buffer.getvalue()
+
+
+def study(of: Study, shown: Shown) -> StudyFile:
+    """The map's study with the metric that is shown, and whether the vehicle can fly it: the table of all metrics that
+    were computed on the way would bury it."""
+    kept = tuple(dict.fromkeys((shown.metric, *(name for name in of.file.metrics if name == FLYABLE))))
+    return msgspec.structs.replace(of.file, metrics=kept)
+
+
+def caption(shown: Shown) -> list[str]:
+    """What a reader of the picture alone must know: the signs that it has, the preset, and what the values rest on."""
+    of = shown.map
+    invalid = of.computed & (of.reason != "")
+    lines = contour(of, shown.metric, shown.bound)
+    signs = [
+        f"line: {wanted(shown.metric, shown.bound)}" if shown.bound is not None and lines else "",
+        "hatched: vehicle's limits broken" if (not_flyable(of) & ~invalid).any() else "",
+        "×: cannot be computed" if invalid.any() else "",
+        "dot: infinite" if np.isinf(of.values[shown.metric]).any() else "",
+        "white cross: present design" if shown.cross is not None else "",
+    ]
+    windows = _windows((shown.metric,), shown.windows)
+    seeds = f"{shown.runs} seed{'s' if shown.runs > 1 else ''}" if METRICS[shown.metric].needs == "run" else ""
+    unfinished = "" if of.share == 1 else f"{int(of.computed.sum())} of {of.computed.size} points computed"
+    rests = [f"preset {shown.preset}", windows and f"{windows}: never too bad", seeds, unfinished]
+    return ["; ".join(filter(None, line)) for line in (signs, rests) if any(line)]
+
+
+def _windows(metrics: Sequence[str], judged: str) -> str:
+    """Which windows the metrics of observability come from; empty if none of the metrics is one."""
+    return judged if any(METRICS[one].needs == "analysis" for one in metrics) else ""
 
 
 def _over(axes: "Axes", shown: Shown, invalid: np.ndarray) -> None:

@@ -7,7 +7,7 @@ be computed, dots for a value that is infinite.
 
 import html
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy import ndarray as Array
 from explorer.model import palette
 from explorer.model.basin import on_scale as colour_at
 from explorer.model.study_axes import Candidate
-from explorer.model.study_judgement import contour, not_flyable, on_scale, shares
+from explorer.model.study_judgement import broken_limits, contour, not_flyable, on_scale, shares
 from explorer.model.study_map import Axis
 from explorer.panels.gains.tradeoff_plot import ticks as log_ticks
 from explorer.panels.studies.text import wanted, written
@@ -30,6 +30,8 @@ from rangenav.studies.metrics import METRICS
 from rangenav.studies.parameters import Log
 from rangenav.studies.requirements import Bound
 
+PLACE = "map of two parameters"
+"""By this name the page brings the picture into sight."""
 EVENT = "map-take"
 """The event of a cell that is taken, in front of its two indices."""
 SHADES = 32
@@ -64,6 +66,12 @@ class Shown:
     """Why the map is not of what is chosen now; empty if it is."""
     runs: int
     """Seeds at each point."""
+    limits: Mapping[str, Bound]
+    """The limits of the vehicle, by the metrics that they belong to."""
+    preset: str
+    """How the study names its preset."""
+    windows: str
+    """Which windows σ, μ and ranks come from."""
 
 
 def markup(shown: Shown) -> str:
@@ -145,7 +153,8 @@ def _frame(shown: Shown) -> str:
     numbers += [f'<span class="rn-map-y" style="bottom:{100 * at:.1f}%">{text}</span>' for at, text in ticks(second)]
     label = html.escape(f"Map. {shown.sentence} {KEYS}")
     return (
-        f'<div class="rn-map-frame"><div class="rn-map-cells" aria-label="{label}" {_content(shown)}>{picture(shown)}'
+        f'<div class="rn-map-frame" data-rn-place="{PLACE}">'
+        f'<div class="rn-map-cells" aria-label="{label}" {_content(shown)}>{picture(shown)}'
         f'<div class="rn-cells-cursor"></div></div>{"".join(numbers)}</div>'
     )
 
@@ -164,7 +173,7 @@ def _content(shown: Shown) -> str:
             text, note = "no value", str(reasons[place])
         else:
             text = written(shown.metric, float(values[place]))
-            note = BEYOND if beyond[place] else ""
+            note = _beyond(shown, place) if beyond[place] else ""
         texts.append(text)
         noted.append(notes.setdefault(note, len(notes)))
     axes = tuple(
@@ -174,6 +183,12 @@ def _content(shown: Shown) -> str:
     n, m = of.computed.shape
     start = (n // 2, m // 2) if shown.cross is None else (round(shown.cross[0]), round(shown.cross[1]))
     return cells.attributes(EVENT, axes, texts, (list(notes), noted), start)  # pyright: ignore[reportArgumentType]
+
+
+def _beyond(shown: Shown, cell: tuple[int, ...]) -> str:
+    """That a cell breaks the vehicle's limits, and which."""
+    titles = broken_limits(shown.map, shown.limits, (cell[0], cell[1]))
+    return f"{BEYOND}: {', '.join(titles)}" if titles else BEYOND
 
 
 def _scale(shown: Shown) -> str:

@@ -1,15 +1,18 @@
 """What a map says in words: its best cell, the share that meets the requirement, and where the present design lies."""
 
 from explorer.model.study_axes import Candidate
-from explorer.model.study_judgement import Judged
+from explorer.model.study_judgement import Judged, without_effect
 from explorer.model.study_map import FLYABLE
+from explorer.widgets.html import upper_first
 from rangenav.number_format import percent, quantity
 from rangenav.studies.maps import StudyMap
 from rangenav.studies.metrics import METRICS
-from rangenav.studies.requirements import Bound
+from rangenav.studies.requirements import NO_LIMITS, Bound
 
 Names = tuple[Candidate, Candidate]
 Values = tuple[float, float]
+BLIND = "the motion leaves a direction blind at each of them, so try other values, other axes or another motion"
+MATCHED = ": the gains are noise-matched, so they follow from the noise"
 SAMPLED = "Values are those of the worst of some windows, and never too bad: σ is within 1 % of that of all windows."
 
 
@@ -22,18 +25,16 @@ def sentence(
     present: Values | None,
     *,
     inside: bool,
+    matched: bool = False,
 ) -> str:
-    """All of it. `present`: the values of the design on the page; None if the map is of another design."""
+    """All of it. `present`: the values of the design on the page; None if the map is of another design. matched:
+    whether its gains are noise-matched."""
     count = int(of.computed.sum())
     if not count:
         return "No point is computed yet."
-    parts = [_best(of, names, metric, judged)]
-    share = "" if judged.flyable in (None, 1.0) or metric == FLYABLE else " and keep the vehicle's limits"
-    if judged.meeting is not None and bound is not None:
-        parts.append(f"{percent(judged.meeting)} of {count} points meet “{bound.words}”{_rule(metric, bound)}{share}.")
-    elif share:
-        parts.append(f"{percent(judged.flyable or 0.0)} of {count} points keep the vehicle's limits.")
-    if METRICS[metric].needs == "analysis":
+    parts = _judgement(of, names, metric, bound, judged)
+    parts += _idle(of, names, metric, matched=matched)
+    if METRICS[metric].needs == "analysis" and judged.best is not None:
         parts.append(SAMPLED)
     invalid = int((of.reason != "").sum())
     if invalid:
@@ -42,6 +43,41 @@ def sentence(
         outside = "" if inside else ", outside this map"
         parts.append(f"The present design: {at(names, present)}{outside}.")
     return " ".join(parts)
+
+
+def _judgement(of: StudyMap, names: Names, metric: str, bound: Bound | None, judged: Judged) -> list[str]:
+    """The best cell and the shares; a metric without any finite value has neither."""
+    if bound is not None and bound.words == NO_LIMITS:
+        return [f"{upper_first(NO_LIMITS)}."]
+    if judged.best is None:
+        return [_no_value(of, metric)]
+    count, parts = int(of.computed.sum()), [_best(of, names, metric, judged)]
+    share = "" if judged.flyable in (None, 1.0) or metric == FLYABLE else " and keep the vehicle's limits"
+    if judged.meeting is not None and bound is not None:
+        parts.append(f"{percent(judged.meeting)} of {count} points meet “{bound.words}”{_rule(metric, bound)}{share}.")
+    elif share:
+        parts.append(f"{percent(judged.flyable or 0.0)} of {count} points keep the vehicle's limits.")
+    return parts
+
+
+def _no_value(of: StudyMap, metric: str) -> str:
+    """Why there is nothing to compare."""
+    row, valid = METRICS[metric], of.computed & (of.reason == "")
+    begin = f"No computed point has a finite value of {row.title}"
+    if not valid.any():
+        return f"{begin}."
+    return f"{begin}: {BLIND if row.needs == 'analysis' else 'it is infinite at each of them'}."
+
+
+def _idle(of: StudyMap, names: Names, metric: str, *, matched: bool) -> list[str]:
+    """Which parameters change nothing, and why where that is known."""
+    idle = [names[axis] for axis in without_effect(of, metric)]
+    if not idle:
+        return []
+    labels = " nor ".join(one.label for one in idle)
+    subject = f"Neither {labels} changes" if len(idle) > 1 else f"{upper_first(labels)} does not change"
+    why = matched and any(one.path.startswith("gains.riccati.") for one in idle)
+    return [f"{subject} “{METRICS[metric].title}” on this map{MATCHED if why else ''}."]
 
 
 def at(names: Names, values: Values) -> str:
@@ -73,8 +109,7 @@ def _rule(metric: str, bound: Bound) -> str:
 
 
 def _best(of: StudyMap, names: Names, metric: str, judged: Judged) -> str:
-    if judged.best is None:
-        return f"No computed point has a finite value of {METRICS[metric].title}."
+    assert judged.best is not None, "a map without values has no best cell"
     i, j = judged.best
     several = f"{judged.equal} points, such as " if judged.equal > 1 else ""
     place = at(names, (float(of.first[i]), float(of.second[j])))

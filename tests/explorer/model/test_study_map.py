@@ -141,6 +141,42 @@ def test_every_parameter_that_is_offered_has_a_label_and_a_range_whose_ends_a_st
             field_path.replaced(design, {one.path: axis.high})
 
 
+def test_an_entry_of_a_list_is_offered_with_its_axis_and_its_unit():
+    labels = {one.path: one.caption for one in study_axes.candidates(SHIPPED["paper-slow"])}
+    assert labels["path.tones.2.amplitude"] == "path, tone 2 along y, amplitude (m)"
+    assert labels["angular_velocity.tones.1.amplitude"] == "angular velocity, tone 1 about x, amplitude (rad/s)"
+    assert labels["path.drift.x"] == "path, drift x (m/s)"
+    assert labels["initial_rotation.x"] == "initial attitude x (rad)"
+    assert labels["sensors.unmodelled.outlier_probability"] == "probability of outliers"
+
+
+def test_a_parameter_without_any_effect_on_a_metric_is_found_and_one_with_a_little_is_not():
+    rows = np.array([[1.0, 1.0, 1.0], [2.0, 2.0, 2.0]])
+    assert study_judgement.without_effect(filled(rows), "sigma_lifted") == (1,)
+    assert study_judgement.without_effect(filled(rows.T), "sigma_lifted") == (0,)
+    assert study_judgement.without_effect(filled(np.ones((2, 3))), "sigma_lifted") == (0, 1)
+    rows[1, 2] = np.nextafter(2.0, 3.0)
+    assert study_judgement.without_effect(filled(rows), "sigma_lifted") == ()
+    rows[1, 2] = np.inf
+    assert study_judgement.without_effect(filled(rows), "sigma_lifted") == ()
+    only = np.array([[1.0, np.nan], [np.nan, 2.0]])  # no two of them can be compared
+    assert study_judgement.without_effect(filled(only), "sigma_lifted") == ()
+
+
+def test_a_cell_that_cannot_be_flown_names_the_limits_that_it_breaks():
+    design = SHIPPED["barrel"]
+    limits = study_judgement.limits_of(design, (X, Y))
+    assert {"speed", "thrust_to_weight"} <= set(limits)
+    of = filled(np.array([[1.0, 1.0]]))
+    speed = design.vehicle.speed
+    assert speed is not None
+    of.values["speed"] = np.array([[0.99 * speed, 1.01 * speed]])
+    assert study_judgement.broken_limits(of, limits, (0, 0)) == ()
+    assert study_judgement.broken_limits(of, limits, (0, 1)) == ("largest speed",)
+    varied = Linear(path="vehicle.speed", low=1.0, high=2.0, count=2)
+    assert study_judgement.limits_of(design, (varied, Y)) == {}
+
+
 def test_the_map_has_the_value_that_the_page_computes_for_the_present_design():
     axes = (
         Linear(path="world.anchor.x", low=0.0, high=1.0, count=2),

@@ -13,15 +13,19 @@ import pytest
 from msgspec.structs import replace
 
 from explorer.model.settings import effective
-from explorer.model.study_map import READY, Ready
-from explorer.panels.studies import FOLLOWS, OTHER_CHOICE, OTHER_DESIGN, StudiesPanel
-from explorer.panels.studies.files import COMMAND, STUDY_FILE
+from explorer.model.study_map import MATCHED, READY, Ready
+from explorer.panels.studies import FOLLOWS, OTHER_CHOICE, OTHER_DESIGN, StudiesPanel, showing
+from explorer.panels.studies.choice import COMPUTE
+from explorer.panels.studies.files import COMMAND, STUDY_FILE, STUDY_PRESET
+from explorer.panels.studies.map_file import caption
 from explorer.server import SessionServer
-from explorer.widgets.html import upper_first
+from explorer.web.elements import element_id
+from explorer.widgets.html import escaped, upper_first
 from rangenav import preset
 from rangenav.studies import study
 from rangenav.studies.maps import StudyMap
 from tests.support.waiting_visitor import Editing, arrived
+from tests.support.wire import Storage
 
 pytestmark = pytest.mark.slow
 ANCHOR, SIZE, GAINS = READY
@@ -173,19 +177,105 @@ def test_the_saved_study_loads_with_its_preset_and_is_the_same_study(page: Editi
     computed(page, GAINS)
     page.tab.downloads.clear()
     page.press("save map as", "Study")
-    page.press("save map as", "Preset")
-    page.tab.wait_for(lambda: len(page.tab.downloads) == 2, "both files")
+    assert offered(page, STUDY_PRESET) == changed  # a shipped one needs no file
+    if changed:
+        page.press(STUDY_PRESET)
+    page.tab.wait_for(lambda: len(page.tab.downloads) == 1 + changed, "the files")
     for name, content in page.tab.downloads:
         (tmp_path / name).write_bytes(content)
     filling = panel(page).filling
     assert filling is not None
     loaded = study.load(tmp_path / STUDY_FILE)
-    assert loaded.file == filling.study.file
+    assert loaded.file == replace(filling.study.file, metrics=("steady_position", "flyable"))
+    of = replace_names(dataclasses.replace(filling.study, file=loaded.file), loaded.names)
     assert loaded.bases == filling.study.bases
     assert loaded.preset_at(3) == filling.study.preset_at(3)
-    assert loaded.digest == replace_names(filling.study, loaded.names).digest
+    assert loaded.digest == of.digest
     assert COMMAND in page.tab.text()
     assert preset.load("paper-slow") == filling.study.bases[0] or changed
+
+
+def offered(page: Editing, label: str) -> bool:
+    """Whether a button is on the page."""
+    return any(p.get("label") == label and p.get("visible", True) for p in page.tab.elements.values())
+
+
+def test_the_button_preset_saves_the_design_that_a_cell_has_made(page: Editing):
+    computed(page, SIZE)
+    page.run(lambda: page.tab.press_own("map-take-1-0"))
+    page.tab.downloads.clear()
+    page.press("save map as", "Preset")
+    page.tab.wait_for(lambda: page.tab.downloads, "the file")
+    ((name, content),) = page.tab.downloads
+    assert name == "paper-slow-changed.toml"
+    assert preset.loads(content.decode(), source=name) == effective(page.settings)
+
+
+def test_a_stopped_map_goes_on_from_what_is_kept(page: Editing):
+    page.press(GAINS.question)
+    page.tab.wait_for(lambda: panel(page).filling.map is not None, "the first points")  # pyright: ignore
+    do(page, panel(page).progress.stop)
+    page.tab.wait_for(lambda: f"“{COMPUTE}” goes on from there" in shown(page), "the sentence")
+    filling = panel(page).filling
+    assert filling is not None
+    assert filling.map is not None
+    kept = filling.map.computed.copy()
+    page.press(COMPUTE)
+    assert panel(page).filling is filling
+    assert filling.map.computed[kept].all()
+    page.tab.wait_for(lambda: filling.map.computed.sum() > kept.sum(), "more points")  # pyright: ignore
+    do(page, panel(page).progress.stop)
+    page.set("points across", "5")
+    page.tab.wait_for(lambda: f"“{COMPUTE}” goes on" not in shown(page), "the notice")  # another map begins anew
+
+
+def test_the_choice_of_a_map_outlives_a_reload_and_the_page_says_what_is_lost(sessions: tuple[int, SessionServer]):
+    storage = Storage()
+    before = arrived(sessions, storage)
+    for label, value in (("points across", "4"), ("points upwards", "3"), ("highest across", "1.5")):
+        before.set(label, value)
+    before.set("metric", "excitation μ (m²/s⁷)")
+    before.press(COMPUTE)
+    before.tab.wait_for(lambda: panel(before).progress.running is None and panel(before).filling, "the map")
+    before.settle()
+    chosen = panel(before).chosen
+    before.tab.close()
+    after = arrived(sessions, storage)
+    after.tab.wait_for_text("its values are not kept")
+    assert panel(after).chosen == chosen
+    assert chosen is not None
+    assert (chosen.across.count, chosen.across.high, chosen.upwards.count) == (4, 1.5, 3)
+    assert (chosen.metric, chosen.drawn) == ("mu", True)
+    after.press(COMPUTE)
+    after.tab.wait_for(lambda: "present design" in shown(after), "the map")
+    after.tab.close()
+
+
+def test_a_ready_map_whose_parameter_does_nothing_says_what_to_do_instead(page: Editing):
+    page.set("kind of gains", "noise-matched (outside it)")
+    before = panel(page).filling
+    page.press(GAINS.question)
+    assert any(escaped(MATCHED) in refusal for refusal in page.refusals())
+    assert panel(page).filling is before
+    assert panel(page).progress.running is None
+
+
+def test_every_wrong_box_is_named_and_marked_and_the_reason_is_said_once(page: Editing):
+    wrong = {"points across": "-3", "highest across": "abc", "seeds per point": "1000000", "lowest upwards": "99"}
+    before = {label: panel(page).choice.section for label in wrong}
+    for label, text in wrong.items():
+        page.set(label, text)
+    page.press(COMPUTE)
+    (said,) = [one for one in page.refusals() if "points across" in one]
+    for label in ("points across", "highest across", "seeds per point", "highest upwards"):
+        assert said.count(label) == 1
+    section = before["points across"]
+    boxes = {one.name: element_id(one.boxes[0]) for one in section.controls if one.boxes}
+    marked = {name for name, box in boxes.items() if section.complaint.is_about(box)}
+    assert marked == {*wrong, "highest upwards"}
+    do(page, lambda: panel(page).choice.write_ready(ANCHOR, page.settings.preset))
+    page.settle()
+    page.wait_until_accepted()
 
 
 def replace_names(of: study.Study, names: tuple[str, ...]) -> study.Study:
@@ -202,6 +292,8 @@ def test_the_table_has_a_line_for_each_point_with_every_metric(page: Editing):
     head, *lines = csv.reader(io.StringIO(content.decode()))
     assert name == "map-sigma-lifted.csv"
     assert head[:2] == ["world.anchor.x (m)", "world.anchor.y (m)"]
+    assert {line[head.index("preset")] for line in lines} == {"paper-slow"}
+    assert all("sampled" in line[head.index("windows")] for line in lines)
     column = head.index("sigma_lifted (m)")
     assert [float(line[column]) for line in lines] == of.values["sigma_lifted"].ravel().tolist()
     assert [float(line[0]) for line in lines] == [of.first[0], of.first[0], of.first[1], of.first[1]]
@@ -216,6 +308,15 @@ def test_a_picture_of_a_map_is_written_in_a_job(page: Editing):
     assert name == "map-sigma-lifted.svg"
     assert content.startswith(b"<?xml")
     assert content.count(b"<image") == 1  # the cells; all else is lines and letters
+    filling = panel(page).filling
+    assert filling is not None
+    assert filling.map is not None
+    of = showing.shown(filling, filling.map, page.settings, "sigma_lifted", outdated="", running=False)
+    signs, rests = caption(of)
+    assert "white cross: present design" in signs
+    assert "hatched" not in signs  # no vehicle is chosen
+    assert rests.startswith("preset paper-slow; ")
+    assert "sampled" in rests
 
 
 def test_the_number_that_was_moved_last_can_be_put_on_an_axis(page: Editing):
