@@ -43,14 +43,6 @@ OWN_LABELS = {
     "sensors.unmodelled.dropout_probability": "probability of drop-outs",
 }
 """Labels of sliders in per cent, which do not say of what on an axis."""
-SIGNAL_UNITS = {"path": ("m", "m/s"), "angular_velocity": ("rad/s", "rad/s²")}
-"""Of a signal's amplitudes and offsets, and of its drift."""
-OWN_UNITS = {
-    "initial_rotation": "rad",
-    "vehicle.height_min": "m",
-    "vehicle.height_max": "m",
-    "vehicle.anchor_distance_min": "m",
-}
 TIMES = "×"
 """The unit of both: so many times as large as now, so many times slower."""
 MAX_ENTRIES = 40
@@ -206,11 +198,4 @@ def _unit(preset: Preset, path: str, key: str) -> str:
     documented = units.of(Linear(path=path, low=0.0, high=1.0), preset)
     field = key.rpartition(".")[0] if key.rpartition(".")[2] in field_path.COMPONENTS else key
     known = next((term.unit for term in TERMS.values() if field in term.fields), "")
-    return documented or OWN_UNITS.get(field, "") or ("" if known in ("%", "°") else known) or _of_signal(field)
-
-
-def _of_signal(field: str) -> str:
-    """The unit of an amplitude, an offset or a drift; empty for any other number of a signal."""
-    of_value, of_drift = SIGNAL_UNITS.get(field.partition(".")[0], ("", ""))
-    rows = {"amplitude": of_value, "offset": of_value, "value": of_value, "drift": of_drift, "period": "s"}
-    return rows.get(field.rpartition(".")[2], "") if of_value else ""
+    return documented or ("" if known in ("%", "°") else known)
