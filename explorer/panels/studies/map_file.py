@@ -101,7 +101,7 @@ def caption(shown: Shown) -> list[str]:
     windows = _windows((shown.metric,), shown.windows)
     seeds = f"{shown.runs} seed{'s' if shown.runs > 1 else ''}" if METRICS[shown.metric].needs == "run" else ""
     unfinished = "" if of.share == 1 else f"{int(of.computed.sum())} of {of.computed.size} points computed"
-    rests = [f"preset {shown.preset}", windows and f"{windows}: never too bad", seeds, unfinished]
+    rests = [f"preset {shown.preset}", windows and f"{windows}: others may be worse", seeds, unfinished]
     return ["; ".join(filter(None, line)) for line in (signs, rests) if any(line)]
 
 
