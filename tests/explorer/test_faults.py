@@ -50,8 +50,8 @@ UNITS = "show gains as"
 YEAR = 366 * 86400.0
 """s"""
 RELOADS, CHANGES = 6, 8
-NARROW, FEW = 4096, 60
-"""Bytes that the system holds of what was sent, and messages of two pictures; those of eight are four times as many."""
+NARROW, FEW = 4096, 120
+"""Bytes that the system holds of what was sent, and messages of four pictures; those of eight are twice as many."""
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The details of a picture, their plots and their scene nodes: they show the results of the library."""
 
-import asyncio
 import html
 import threading
 from types import SimpleNamespace
@@ -31,6 +30,7 @@ from rangenav.analysis import sampled
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Tone
 from rangenav.twin import Twin
+from tests.support import own_loop
 from tests.support.pictures import picture
 from tests.support.refreshed import refreshed
 from tests.support.sent_messages import Page
@@ -243,7 +243,7 @@ def test_a_twin_off_the_stage_is_not_drawn_and_no_error(page: Page) -> None:
 
 def drag(ghost: TwinGhost, position: tuple) -> None:
     """A drag event as viser's loop delivers it."""
-    asyncio.run(ghost._record_drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
+    own_loop.run(ghost._record_drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
 
 
 def test_a_drag_is_stored_until_it_is_taken_and_only_if_it_is_a_position(page: Page) -> None:

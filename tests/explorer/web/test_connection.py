@@ -8,6 +8,7 @@ from viser import _messages
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
 from explorer.web.connection import send_in_large_batches
+from tests.support import own_loop
 
 MESSAGES = 1000
 """A new page has some seven hundred."""
@@ -29,7 +30,7 @@ def first_window(*, large: bool) -> int:
         await windows.aclose()
         return len(window)
 
-    return asyncio.run(run())
+    return own_loop.run(run())
 
 
 def test_a_new_page_is_one_batch_which_viser_alone_would_cut() -> None:

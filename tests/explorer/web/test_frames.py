@@ -20,6 +20,7 @@ from explorer.scene.bounds import quaternion
 from explorer.web.clock import Clock
 from explorer.web.frames import MOVES, Frames, Packer, place, post, turn
 from explorer.web.security import CHECKED_AGAINST
+from tests.support import own_loop
 
 HEADER = 8
 EACH: tuple[Message, ...] = (
@@ -59,7 +60,7 @@ def sent_by_viser(messages: tuple[Message, ...]) -> bytes:
             buffer.push(message)
         await _message_producer(cast(Any, Socket()), buffer, 0)
 
-    asyncio.run(run())
+    own_loop.run(run())
     (frame,) = frames
     return frame
 
