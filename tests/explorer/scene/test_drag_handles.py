@@ -121,7 +121,8 @@ def test_the_numbers_of_waypoints_that_are_seen_at_one_place_never_lie_on_each_o
         boxes = [labels.box_of(Item(one["text"], 0.0, 0.0, one["anchor"]), one["anchor"]) for one in seen()]
         return not any(one.meets(other) for one, other in itertools.combinations(boxes, 2))
 
-    tab.wire.wait_for(apart, "labels that do not lie on each other")  # each that goes is a message of its own
+    # each that comes or goes is a message of its own
+    tab.wire.wait_for(lambda: seen() and apart(), "labels that do not lie on each other")
     assert 0 < len(seen()) < 12
     tab.handles.draw(ANCHOR, POSITIONS[:2], bounds_of(2.0))
 
