@@ -5,9 +5,11 @@
 All make runs of paper-slow, 20 s at 200 Hz, in parts as `study run` divides the study.
 
     overhead = 1 − share of the study / share of a plain pool that computes the same parts and keeps nothing
-    share    = CPU time of the points / (workers · wall time from making the store to the last receipt)
-The CPU time is of the threads that compute, as each part's receipt has it, and the workers are there before. The start
-of a study is a row of its own. Two workers need two free cores: figures from a busy machine mean nothing.
+    share    = CPU time of the points / Σ over workers of the time from making the store to the end of its last part
+The CPU time is of the threads that compute, as each part's receipt has it, and the workers are there before. How long
+one worker waits for the last part of another is chance, in the pool as in the study: it counts in the rates and in the
+efficiency, but is no overhead. The start of a study is a row of its own. Two workers need two free cores: figures from
+a busy machine mean nothing.
 """
 
 import argparse
@@ -77,7 +79,7 @@ def _usual(folder: Path) -> Figures:
             starts.append(time.perf_counter() - began)
             turns.append(_turn(folder / f"two-{number}.zarr", two, parts))
         used_by_pool.append(_used_by_pool(parts))
-    wall, computed, used = np.mean(turns, axis=0).tolist()
+    wall, computed, used, span = np.mean(turns, axis=0).tolist()
     with workers(1) as one:
         _study(folder / "warm.zarr", one, points=1, part=1)
         alone = _timed(_study, folder / "one.zarr", one, FEWER, parts.chunk[0])
@@ -90,7 +92,7 @@ def _usual(folder: Path) -> Figures:
         "multiprocessing pool, 2 processes": PEER_RUNS / pool,
     }
     efficiency = rates["study, 2 workers"] / (WORKERS * rates["study, 1 worker"])
-    used_by_study, size = computed / (WORKERS * wall), _bytes(path) / (POINTS * RUNS)
+    used_by_study, size = computed / span, _bytes(path) / (POINTS * RUNS)
     used_by_plain, start = statistics.mean(used_by_pool), tried + statistics.mean(starts)
     overhead = 1 - used_by_study / used_by_plain
     rows = [
@@ -110,11 +112,19 @@ def _usual(folder: Path) -> Figures:
     return rows, targets, {**figures, "cpu_not_of_points": 1 - computed / used}
 
 
-def _turn(path: Path, client: Any, parts: blocks.Blocks) -> tuple[float, float, float]:
-    """The study once: its wall time, and the CPU time of its points and of all processes (s)."""
-    before = _cpu()
-    wall = _timed(_study, path, client, POINTS, parts.chunk[0])
-    return wall, _seconds(path), _cpu() - before
+def _turn(path: Path, client: Any, parts: blocks.Blocks) -> tuple[float, float, float, float]:
+    """The study once: its wall time, the CPU time of its points and of all processes, and how long all workers
+    together had something to do (s)."""
+    from distributed import get_task_stream
+
+    before, began = _cpu(), time.time()
+    ends: dict[str, float] = {}
+    stream: Any = get_task_stream(client)
+    with stream:
+        wall = _timed(_study, path, client, POINTS, parts.chunk[0])
+    for task in stream.data:
+        ends[task["worker"]] = max(ends.get(task["worker"], 0.0), *(one["stop"] for one in task["startstops"]))
+    return wall, _seconds(path), _cpu() - before, sum(end - began for end in ends.values())
 
 
 def _long(folder: Path) -> Figures:
@@ -168,21 +178,22 @@ def _bytes(path: Path) -> int:
 
 def _used_by_pool(parts: blocks.Blocks) -> float:
     """The share of the cores that the points of the same parts take in a plain pool, which keeps no result. What is
-    missing from 1 is the machine's: other programs, and the wait for the last part."""
+    missing from 1 is the machine's: other programs."""
     context = multiprocessing.get_context("spawn")
     with context.Pool(WORKERS) as pool:
         pool.map(_seconds_of, [range(1)] * WORKERS, chunksize=1)
         some = [range(first, min(first + parts.chunk[0], POINTS)) for first in range(0, POINTS, parts.chunk[0])]
-        began = time.perf_counter()
-        computed = sum(pool.imap_unordered(_seconds_of, some))
-        return computed / (WORKERS * (time.perf_counter() - began))
+        began, ends, computed = time.time(), {}, 0.0
+        for seconds, process, end in pool.imap_unordered(_seconds_of, some):
+            computed, ends[process] = computed + seconds, max(ends.get(process, 0.0), end)
+    return computed / sum(end - began for end in ends.values())
 
 
-def _seconds_of(points: range) -> float:
-    """CPU time of some points, s."""
+def _seconds_of(points: range) -> tuple[float, int, float]:
+    """CPU time of some points, the process, and when they were done (s)."""
     began = time.thread_time()
     evaluation.block(_of(POINTS), points)
-    return time.thread_time() - began
+    return time.thread_time() - began, os.getpid(), time.time()
 
 
 def _timed_pool() -> float:

@@ -6,14 +6,13 @@ import math
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.model.drawn import Drawn
 from explorer.model.playback import STEP, Playback
 from explorer.web.elements import element_id, of_kind
-from explorer.web.in_order import in_order
 from explorer.widgets import typed_number
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import when_moved
@@ -98,7 +97,7 @@ class TimelinePanel:
                     self._box = form.gui.add_text(f"{TIME}: {BOX_LABEL}", "0")
             self._buttons = form.gui.add_html("")
             form.gui.add_html(KEEP_CAMERA_STILL)
-        self._slider.on_update(in_order(self._moved))
+        when_moved(self._slider, lambda: form.do(self._seek, step=False))
         when_moved(self._box, lambda: form.do(self._seek_typed, step=False))
         for name, (label, key) in KEYS.items():
             form.command(label, self.actions[name], key=key)
@@ -147,17 +146,10 @@ class TimelinePanel:
         if k < len(self._events):
             self._playback.seek(self._events[k].time)
 
-    def _moved(self, event: Any) -> None:
-        """Note where the visitor has moved the slider: the session may move it before its loop comes to that."""
-        if event.client_id is not None:
-            self._form.do(partial(self._seek, event.target.value), step=False)
-
-    def _seek(self, moment: float) -> None:
+    def _seek(self) -> None:
         with self._section.catching():
-            self._shown_time = moment
-            self._playback.seek(moment)
-        if self._slider.value != moment and not self._form.waiting:  # the session has moved it meanwhile
-            self._slider.value = moment
+            self._shown_time = self._slider.value
+            self._playback.seek(self._shown_time)
         self._write_box(round(self._playback.time, 2))
 
     def _seek_typed(self) -> None:

@@ -11,7 +11,7 @@ Handler = Callable[[Any], Coroutine[Any, Any, None]]
 
 
 def in_order(receive: Callable[[Any], None]) -> Handler:
-    """The handler of an event: of a click, a command or an update. `receive` only notes it, and takes no time."""
+    """The handler of an event, for `on_click` and `on_trigger`. `receive` only notes the event, and takes no time."""
 
     async def handler(event: Any) -> None:
         receive(event)
