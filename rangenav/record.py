@@ -21,8 +21,8 @@ from rangenav.observability import excitation
 from rangenav.preset import Preset
 from rangenav.range_fit import RangeFit
 from rangenav.results import result
-from rangenav.sensors import Measurements, Sensors, measure
-from rangenav.sensors.measuring import Noise, draw, measure_with, range_count
+from rangenav.sensors import Measurements, Sensors
+from rangenav.sensors.measuring import Noise, Noiseless, draw, with_noise, without_noise
 from rangenav.signals import AngularVelocity, Signal
 
 SETTLED_POSITION = 0.3
@@ -163,9 +163,13 @@ def simulated(inputs: TruthInputs) -> Truth:
 @lru_cache(maxsize=CACHED)
 def measured(inputs: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
     """The same as `drawn`; the last few records are cached, and the noise of the last seeds, which no path changes."""
-    flown = simulated(inputs).motion
-    noise = _noise(seed, len(flown.time), range_count(flown.time, sensors))
-    return measure_with(noise, flown, path=inputs.path, world=inputs.world, sensors=sensors)
+    exact = _exact(inputs, sensors)
+    return with_noise(exact, _noise(seed, len(exact.mag), len(exact.distance)), sensors=sensors)
+
+
+@lru_cache(maxsize=CACHED)
+def _exact(inputs: TruthInputs, sensors: Sensors) -> Noiseless:
+    return without_noise(simulated(inputs).motion, path=inputs.path, world=inputs.world, sensors=sensors)
 
 
 @lru_cache(maxsize=2)
@@ -175,8 +179,9 @@ def _noise(seed: int, samples: int, ranges: int) -> Noise:
 
 def drawn(inputs: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
-    rng = np.random.default_rng(seed)
-    return measure(simulated(inputs).motion, path=inputs.path, world=inputs.world, sensors=sensors, rng=rng)
+    exact = _exact(inputs, sensors)
+    noise = draw(np.random.default_rng(seed), len(exact.mag), len(exact.distance))
+    return with_noise(exact, noise, sensors=sensors)
 
 
 def observed(
@@ -246,29 +251,33 @@ def summarise(
 
 def steady(error: Float[Array, "n"]) -> float:
     """Root mean square over the last quarter."""
-    return float(steady_of_each(error[None])[0])
+    return float(root_mean_square(error[None, last_quarter(len(error)) :])[0])
 
 
-def steady_of_each(errors: Float[Array, "j n"]) -> Float[Array, "j"]:
-    """The same of many errors."""
-    return np.sqrt(np.mean(errors[:, 3 * errors.shape[1] // 4 :] ** 2, axis=1))
+def last_quarter(count: int) -> int:
+    """The number of the sample with which the last quarter of so many begins."""
+    return 3 * count // 4
+
+
+def root_mean_square(errors: Float[Array, "j n"]) -> Float[Array, "j"]:
+    """Of each of many errors."""
+    return np.sqrt(np.mean(errors**2, axis=1))
 
 
 def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> float | None:
     """The time from which on the error stays below the limit; None if it is above it in the last tenth of the run."""
-    (since,) = settled_of_each(time, error[None], limit)
+    (since,) = settled_after(time, np.array([samples_above(error, limit)]))
     return float(since) if math.isfinite(since) else None
 
 
-def settled_of_each(time: Float[Array, "n"], errors: Float[Array, "j n"], limit: float) -> Float[Array, "j"]:
-    """The same of many errors; infinite in place of None."""
-    above = ~(errors < limit)[:, ::-1]
-    below = np.where(above.any(axis=1), np.argmax(above, axis=1), len(time))  # samples at the end
-    return settled_after(time, len(time) - below)
+def samples_above(error: Float[Array, "n"], limit: float) -> int:
+    """How many samples there are up to the last one that is not below the limit."""
+    above = np.flatnonzero(~(error < limit))
+    return int(above[-1]) + 1 if len(above) else 0
 
 
 def settled_after(time: Float[Array, "n"], above: Int[Array, "j"]) -> Float[Array, "j"]:
-    """The same of errors that are below the limit from sample number `above` on, and not at the one before it."""
+    """The same of many errors, each with its number of `samples_above`; infinite in place of None."""
     latest = time[-1] - SETTLED_SHARE * (time[-1] - time[0])
     since = time[np.minimum(above, len(time) - 1)]
     return np.where((above < len(time)) & (since <= latest), since, np.inf)

@@ -4,7 +4,7 @@ Curves are kept on a grid of 401 times; every figure (settling, steady errors) c
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy
@@ -13,13 +13,14 @@ from msgspec.structs import replace
 from numpy import ndarray as Array
 
 from rangenav import cascade, consistency, model, record
-from rangenav.cascade import Estimate, ObserverConfig
+from rangenav.cascade import AttitudeInputs, Estimate, ObserverConfig
 from rangenav.ensemble.pool import MAX_AT_ONCE, each, refuse_work
 from rangenav.ensemble.values import Ensemble, Spread, middle
 from rangenav.gains import Guess
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.record import Outcome, Truth
+from rangenav.results import result
 from rangenav.sensors import Measurements
 
 GRID = 401
@@ -37,6 +38,18 @@ SHARED_FIGURES = ("steady_position", "steady_velocity", "steady_gravity", "peak_
 """Figures of a summary that do not depend on the attitude."""
 
 
+@result
+class _Attitudes:
+    """What an ensemble keeps of the attitude errors from each of several starts."""
+
+    curves: Float[Array, "j t"]
+    """rad, on the grid."""
+    steady: Float[Array, "j"]
+    """rad, over the last quarter."""
+    above: Int[Array, "j"]
+    """Samples up to the last one that is not below 5°."""
+
+
 def seeds(
     preset: Preset,
     count: int,
@@ -50,20 +63,14 @@ def seeds(
     Raises ValueError if that is too much work, and CancelledError when it is cancelled.
     """
     truth = _truth(preset, count)
-    most = RUNS_TOGETHER if preset.gains.mode == "constant" else 1
-    size = max(1, min(most, MAX_AT_ONCE // (4 * _samples(truth))))
 
-    def run(first: int) -> list[dict[str, Array]]:
-        some = range(first, min(first + size, preset.seed + count))
-        observed = _observed(preset, truth, some, form)
+    def run(some: range) -> list[dict[str, Array]]:
         return [
-            _rows(truth, z, outcome, outcome.errors.attitude[None], seed)
-            for seed, (z, outcome) in zip(some, observed, strict=True)
+            _rows(truth, z, outcome, _attitude_of(outcome.errors.attitude), seed)
+            for seed, (z, outcome) in zip(some, _observed(preset, truth, some, form), strict=True)
         ]
 
-    firsts = range(preset.seed, preset.seed + count, size)
-    jobs = each(run, firsts, samples=size * _samples(truth), progress=progress, cancelled=cancelled)
-    return _gathered(truth, [rows for job in jobs for rows in job])
+    return _in_groups(preset, truth, run, range(preset.seed, preset.seed + count), progress, cancelled)
 
 
 def starts(
@@ -81,17 +88,19 @@ def starts(
     ).as_matrix()  # normal in R⁴: no preferred direction
     preset = replace(preset, guess=Guess())
 
-    def run(k: int) -> dict[str, Array]:
-        seed, some = preset.seed + k, rotations[STARTS_PER_RECORD * k : STARTS_PER_RECORD * (k + 1)]
-        ((z, outcome),) = _observed(preset, truth, [seed], "derived")
-        setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
-        errors = cascade.attitude_errors(
-            z, outcome.estimate, setting, rotations=some, truth=truth.motion.rotation
-        )  # of the same x̂
-        return _rows(truth, z, outcome, errors, seed)
+    setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
+    records = range(preset.seed, preset.seed - (-count // STARTS_PER_RECORD))
 
-    records = range(-(-count // STARTS_PER_RECORD))
-    return _gathered(truth, each(run, records, samples=_samples(truth), progress=progress, cancelled=cancelled))
+    def run(some: range) -> list[dict[str, Array]]:
+        rows = []
+        for seed, (z, outcome) in zip(some, _observed(preset, truth, some, "derived"), strict=True):
+            inputs = cascade.attitude_inputs(z, outcome.estimate, setting, truth=truth.motion.rotation)
+            first = STARTS_PER_RECORD * (seed - preset.seed)
+            attitudes = _attitudes_from(inputs, rotations[first : first + STARTS_PER_RECORD])
+            rows.append(_rows(truth, z, outcome, attitudes, seed))
+        return rows
+
+    return _in_groups(preset, truth, run, records, progress, cancelled)
 
 
 def attitude_errors(
@@ -143,13 +152,46 @@ def _observed(
     return list(zip(drawn, outcomes, strict=True))
 
 
-def _rows(
-    truth: Truth, z: Measurements, outcome: Outcome, attitude: Float[Array, "j n"], seed: int
-) -> dict[str, Array]:
+def _in_groups(
+    preset: Preset,
+    truth: Truth,
+    run: Callable[[range], list[dict[str, Array]]],
+    seeds: range,
+    progress: Progress,
+    cancelled: Cancelled,
+) -> Ensemble:
+    """What `run` gives for groups of these seeds, whose records it observes side by side."""
+    most = RUNS_TOGETHER if preset.gains.mode == "constant" else 1
+    size = max(1, min(most, MAX_AT_ONCE // (4 * _samples(truth))))
+    groups = [seeds[k : k + size] for k in range(0, len(seeds), size)]
+    jobs = each(run, groups, samples=size * _samples(truth), progress=progress, cancelled=cancelled)
+    return _gathered(truth, [rows for job in jobs for rows in job])
+
+
+def _attitude_of(errors: Float[Array, "n"]) -> _Attitudes:
+    """What is kept of the errors of one run."""
+    curve, steady = errors[None, grid(len(errors))], np.array([record.steady(errors)])
+    above = np.array([record.samples_above(errors, record.SETTLED_ATTITUDE)])
+    return _Attitudes(curves=curve, steady=steady, above=above)
+
+
+def _attitudes_from(inputs: AttitudeInputs, rotations: Float[Array, "j 3 3"]) -> _Attitudes:
+    """The same of the errors from each R̂(0), which are computed where they are kept and over the last quarter."""
+    count = len(inputs.time)
+    shown, first, limit = grid(count), record.last_quarter(count), record.SETTLED_ATTITUDE
+    chosen = np.arange(count) >= first
+    chosen[shown] = True
+    errors, above = cascade.attitude_settling(inputs, rotations=rotations, chosen=chosen, limit=limit)
+    curves = errors[:, np.searchsorted(np.flatnonzero(chosen), shown)]
+    steady = record.root_mean_square(errors[:, first - count :])
+    return _Attitudes(curves=curves, steady=steady, above=above)
+
+
+def _rows(truth: Truth, z: Measurements, outcome: Outcome, attitudes: _Attitudes, seed: int) -> dict[str, Array]:
     """Rows of every field of an ensemble: one x̂ and the attitude errors from each of several starts."""
     estimate, errors, summary, chosen = outcome.estimate, outcome.errors, outcome.summary, grid(len(z.time))
     last = z.time >= z.time[-1] - HOLD
-    held = (attitude[:, last] < record.SETTLED_ATTITUDE).all(axis=1)
+    held = attitudes.above <= np.argmax(last)
     P = estimate.covariance[chosen, 0]
     nis, count = _binned(consistency.innovations(estimate.innovation), z.range_time, z.time[chosen])
     with np.errstate(invalid="ignore"):
@@ -166,10 +208,10 @@ def _rows(
         **{name: getattr(summary, name) for name in SHARED_FIGURES},
     }
     return {
-        **{name: _repeated(value, len(attitude)) for name, value in shared.items()},
-        "attitude": attitude[:, chosen],
-        "settle_attitude": record.settled_of_each(z.time, attitude, record.SETTLED_ATTITUDE),
-        "steady_attitude_deg": np.array([math.degrees(angle) for angle in record.steady_of_each(attitude)]),
+        **{name: _repeated(value, len(held)) for name, value in shared.items()},
+        "attitude": attitudes.curves,
+        "settle_attitude": record.settled_after(z.time, attitudes.above),
+        "steady_attitude_deg": np.array([math.degrees(angle) for angle in attitudes.steady]),
         "held": np.asarray(held & np.all(errors.position[last] < record.SETTLED_POSITION)),
     }
 

@@ -41,6 +41,23 @@ class Measurements:
 
 
 @result
+class Noiseless:
+    """What all records of one motion share: the truth, and what sensors without noise, biases and gaps would measure.
+
+    Of sensors: their rates and lever arm."""
+
+    motion: Motion
+    mag: Float[Array, "n 3"]
+    """At every IMU sample."""
+    mag_sampled: Bool[Array, "n"]
+    """Where the magnetometer gives a sample."""
+    range_time: Float[Array, "m"]
+    """s"""
+    distance: Float[Array, "m"]
+    """m"""
+
+
+@result
 class Noise:
     """What chance adds to one record, before it is scaled by the noise of each sensor."""
 
@@ -76,27 +93,37 @@ def draw(rng: np.random.Generator, samples: int, ranges: int) -> Noise:
 
 def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng: np.random.Generator) -> Measurements:
     """The record of a motion."""
-    noise = draw(rng, len(motion.time), range_count(motion.time, sensors))
-    return measure_with(noise, motion, path=path, world=world, sensors=sensors)
+    exact = without_noise(motion, path=path, world=world, sensors=sensors)
+    return with_noise(exact, draw(rng, len(exact.mag), len(exact.distance)), sensors=sensors)
 
 
-def measure_with(noise: Noise, motion: Motion, *, path: Signal, world: World, sensors: Sensors) -> Measurements:
-    """The record of a motion whose noise has been drawn for as many samples and ranges as it has."""
-    time, sigma, unmodelled = motion.time, sensors.sigma, sensors.unmodelled
-    mag = to_body(motion.rotation, np.broadcast_to(np.asarray(world.magnetic), motion.position.shape))
-    mag = mag + sigma.mag * noise.mag
-    mag[~_sampled(time, rate=sensors.mag_rate, clock=sensors.imu_rate)] = np.nan
+def without_noise(motion: Motion, *, path: Signal, world: World, sensors: Sensors) -> Noiseless:
+    """What perfect sensors with the rates and the lever arm of these would measure."""
+    range_time = _range_times(motion.time, rate=sensors.range_rate, clock=sensors.imu_rate)
+    arm = sensors.unmodelled.lever_arm
+    return Noiseless(
+        motion=motion,
+        mag=to_body(motion.rotation, np.broadcast_to(np.asarray(world.magnetic), motion.position.shape)),
+        mag_sampled=_sampled(motion.time, rate=sensors.mag_rate, clock=sensors.imu_rate),
+        range_time=range_time,
+        distance=antenna.distance(motion, range_time, path=path, world=world, lever_arm=arm),
+    )
+
+
+def with_noise(exact: Noiseless, noise: Noise, *, sensors: Sensors) -> Measurements:
+    """The record with noise that has been drawn for as many samples and ranges as it has."""
+    motion, sigma, unmodelled = exact.motion, sensors.sigma, sensors.unmodelled
+    mag = exact.mag + sigma.mag * noise.mag
+    mag[~exact.mag_sampled] = np.nan
     gyro = motion.angular_velocity + sigma.gyro * noise.gyro
     accel = motion.apparent_acceleration + sigma.accel * noise.accel
-    range_time = _range_times(time, rate=sensors.range_rate, clock=sensors.imu_rate)
-    distance = antenna.distance(motion, range_time, path=path, world=world, lever_arm=unmodelled.lever_arm)
-    arrived, measured = _ranges(range_time, distance, sigma.range, unmodelled, noise)
+    arrived, measured = _ranges(exact.range_time, exact.distance, sigma.range, unmodelled, noise)
     return Measurements(
-        time=time,
+        time=motion.time,
         gyro=gyro + np.asarray(unmodelled.gyro_bias),
         accel=accel + np.asarray(unmodelled.accel_bias),
         mag=mag,
-        range_time=range_time[arrived],
+        range_time=exact.range_time[arrived],
         range=measured[arrived],
     )
 
@@ -156,11 +183,6 @@ def _sampled(time: Array, *, rate: float, clock: float) -> Array:
     """True at those samples of the clock at which a slower sensor has a new reading."""
     count = np.floor(np.arange(len(time)) * (rate / clock) + 1e-9)
     return np.diff(count, prepend=-1) > 0
-
-
-def range_count(time: Float[Array, "n"], sensors: Sensors) -> int:
-    """How many ranges fall into a record with these IMU stamps (s), whether they arrive or not."""
-    return len(_range_times(time, rate=sensors.range_rate, clock=sensors.imu_rate))
 
 
 def _range_times(time: Array, *, rate: float, clock: float) -> Array:

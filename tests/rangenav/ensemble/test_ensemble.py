@@ -1,5 +1,6 @@
 """Many runs at once are the same runs one by one, whatever the threads do; bands, random starts, a sphere of starts."""
 
+import math
 import threading
 import time
 
@@ -131,7 +132,7 @@ def test_random_starts_are_spread_evenly_over_the_rotations():
 
 
 def test_a_random_start_is_the_run_that_starts_there():
-    p = shortened("paper-slow", 3.0)
+    p = shortened("paper", 4.0)  # of the three one is held, one settles too late to be held, and one never settles
     rng = np.random.default_rng(3)
     rotations = Rotation.from_quat(rng.standard_normal((66, 4))).as_matrix()
     every_run = ensemble.starts(p, 66, np.random.default_rng(3))
@@ -146,6 +147,14 @@ def test_a_random_start_is_the_run_that_starts_there():
         on_grid = np.isin(z.time, every_run.time)
         np.testing.assert_array_equal(every_run.attitude[k], alone.attitude[on_grid])
         np.testing.assert_array_equal(every_run.position[k], alone.position[on_grid])
+        settled = record.settled(z.time, alone.attitude, record.SETTLED_ATTITUDE)
+        assert every_run.settle_attitude[k] == (np.inf if settled is None else settled)
+        assert every_run.steady_attitude_deg[k] == math.degrees(record.steady(alone.attitude))
+        last = z.time >= z.time[-1] - runs.HOLD
+        small = (alone.attitude[last] < record.SETTLED_ATTITUDE) & (alone.position[last] < record.SETTLED_POSITION)
+        assert every_run.held[k] == small.all()
+    assert every_run.held[[0, 19, 65]].tolist() == [True, False, False]
+    assert np.isfinite(every_run.settle_attitude[[0, 19, 65]]).tolist() == [True, True, False]
 
 
 def test_the_sphere_of_starts_begins_at_its_angle_and_settles_as_each_axis_would_alone():

@@ -138,8 +138,8 @@ def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
         assert page.settings == before
         return
     page.tab.wait_for_text(NOT_SHOWN)
+    page.tab.wait_for(lambda: len(page.refusals()) == 2, "the sentence below the control and in the verdict")
     assert any(sentence in text for text in page.refusals()), page.refusals()
-    assert len(page.refusals()) == 2  # below the control, and in the verdict
     assert page.settings == before
     page.set(label, good)
     page.wait_until_accepted()
