@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from explorer.lessons.lesson import Place
-from explorer.web import accessibility, cells, keys, menus
+from explorer.web import accessibility, cells, inputs, keys, menus
 from explorer.web.elements import Step, place_of
 from explorer.widgets.form import Form
 
@@ -28,6 +28,7 @@ class Commands:
         self._client, self._form, self._notify = client, form, notify
         hints = {control.name: control.handle.hint for control in self._controls()}
         shown = {label: hint for label, hint in hints.items() if hint}
+        inputs.install(client)
         keys.install(client, shown)
         accessibility.install(client, form.hints | shown)
         cells.install(client)

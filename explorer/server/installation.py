@@ -20,7 +20,10 @@ from rangenav import analysis, certificate, preset
 
 EXPECTED_RANKS = {"hover": 5, "paper": 13}
 """Presets whose rank is known from the mathematics."""
-SCRIPTS = ("page.js", "page.css", "accessibility.js", "keys.js", "places.js", "without_webgl.js", "access/door.html")
+SCRIPTS = (
+    *("page.js", "page.css", "accessibility.js", "cells.js", "inputs.js", "keys.js", "labels.js", "menus.js"),
+    *("places.js", "without_webgl.js", "access/door.html"),
+)
 REINSTALL = "install rangenav anew"
 
 

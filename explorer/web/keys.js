@@ -15,30 +15,6 @@
     if (OWNERS.some(([owner, keys]) => keys.includes(event.key) && focus.closest(owner))) event.stopPropagation();
   });
 
-  // viser sends every letter that is typed: of 1e99 it would send 1 at first, and the page would show that. A text goes
-  // off when the typing pauses, by Enter, or when the box is left. What a script writes goes off at once.
-  const PAUSE = 400;
-  let typing = null, later = 0;
-  const send = () => {
-    clearTimeout(later);
-    const box = typing;
-    typing = null;
-    if (box) box.dispatchEvent(new Event('input', {bubbles: true}));
-  };
-  window.addEventListener('input', event => {
-    const box = event.target;
-    if (!event.isTrusted || !box.matches('input, textarea') || box.matches('[aria-haspopup], [type=range], [type=checkbox]')
-      || !box.closest('[data-dock-root]')) return;
-    event.stopImmediatePropagation();
-    if (typing !== box) send();
-    typing = box;
-    clearTimeout(later);
-    later = setTimeout(send, PAUSE);
-  }, true);
-  window.addEventListener('focusout', send, true);
-  window.addEventListener('pointerdown', event => { if (event.target !== typing) send(); }, true);
-  window.addEventListener('keydown', event => { if (event.key === 'Enter') send(); }, true);
-
   // The palette writes keys as viser names them.
   const KEYS = {arrowleft: '←', arrowright: '→', arrowup: '↑', arrowdown: '↓', space: 'Space', home: 'Home', escape: 'Esc'};
   const rename = () => document.querySelectorAll('.mantine-Spotlight-action *').forEach(part => {

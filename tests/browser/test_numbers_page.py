@@ -78,3 +78,30 @@ def test_of_a_number_that_is_typed_letter_by_letter_no_part_is_shown(visitor: Vi
     visitor.page.keyboard.type("5e3", delay=60)
     visitor.page.keyboard.press("Enter")
     visitor.wait_for_no_text("range weight q must lie between")
+
+
+TYPE_AT_ONCE = """entries => {
+    const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
+    entries.forEach(([box, text]) => { put.call(box, text); box.dispatchEvent(new Event('input', {bubbles: true})); });
+}"""
+"""As a page that is busy takes them: all inputs in one piece of its time, and no timer in between."""
+
+
+def test_of_inputs_in_quick_succession_every_one_arrives(visitor: Visitor):
+    typed = {axis: f"0.7{k}" for k, axis in enumerate("xyz", start=1)}
+    entries = [[visitor.box(f"amplitude {axis} (m)").first.element_handle(), text] for axis, text in typed.items()]
+    visitor.page.evaluate(TYPE_AT_ONCE, entries)
+    for axis, text in typed.items():
+        visitor.wait_for_text(f"{axis}: {text} m", timeout=10)  # a heading that the session has made of what arrived
+
+
+def test_what_is_being_typed_stays_when_the_page_changes_meanwhile(visitor: Visitor):
+    tones = visitor.page.get_by_text("− remove this tone")
+    before = tones.count()
+    visitor.box("amplitude x (m)").first.click()
+    visitor.page.keyboard.press("Control+a")
+    visitor.page.keyboard.type("0.77")
+    visitor.page.evaluate("() => [...document.querySelectorAll('button')].find(one => one.innerText === '+ y').click()")
+    until(lambda: tones.count() > before, "another tone")
+    visitor.wait_for_text("x: 0.77 m", timeout=10)
+    assert visitor.number("amplitude x (m)") == "0.77"

@@ -6,6 +6,7 @@ import pytest
 
 from explorer.server import installation
 from explorer.server.installation import checks
+from explorer.web.door import FOLDER
 from rangenav import preset
 
 pytestmark = pytest.mark.slow
@@ -20,6 +21,13 @@ def test_every_part_of_this_installation_works(monkeypatch: pytest.MonkeyPatch) 
     assert [one.part for one in tried] == [
         "viser", "page", "kernels", "presets", "lessons", "work folder", "preset folder"
     ]  # fmt: skip
+
+
+def test_every_file_that_the_page_is_made_of_is_looked_for() -> None:
+    there = {
+        path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*") if path.suffix in {".js", ".css", ".html"}
+    }
+    assert set(installation.SCRIPTS) == there
 
 
 def test_what_does_not_work_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
