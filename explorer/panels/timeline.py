@@ -13,6 +13,7 @@ from explorer.model.compute import Picture
 from explorer.model.drawn import Drawn
 from explorer.model.playback import STEP, Playback
 from explorer.web.elements import element_id, of_kind
+from explorer.web.in_order import in_turn
 from explorer.widgets import typed_number
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import when_moved
@@ -73,7 +74,10 @@ class TimelinePanel:
 
     def __init__(self, form: Form, playback: Playback) -> None:
         self._form, self._playback = form, playback
-        self._shown_time, self._moved_at, self._state_drawn = 0.0, -REDRAW, Drawn()
+        self._shown_time, self._shown_text = 0.0, "0"
+        """What slider and box held when they were last written or read: if they hold something else, the visitor has
+        changed it since, and `_seek` or `_seek_typed` is on its way."""
+        self._moved_at, self._state_drawn = -REDRAW, Drawn()
         self.actions: dict[str, Action] = {
             "home": lambda: playback.seek(0.0),
             "back": lambda: playback.seek(playback.time - STEP),
@@ -116,7 +120,7 @@ class TimelinePanel:
         end = _end(playback.duration)
         if self._slider.max != end:
             self._slider.max = end
-        self._move_slider(round(playback.time, 2), now, playing=playback.playing)
+        self._follow(now)
         if not self._state_drawn.changed(playback.playing, playback.speed, playback.loop):
             return
         state = "playing" if playback.playing else "paused"
@@ -127,17 +131,33 @@ class TimelinePanel:
             f'<div class="rn-transport">{"".join(buttons)}<span class="rn-state">{label}</span></div>'
         )
 
-    def _move_slider(self, moment: float, now: float, *, playing: bool) -> None:
-        """Move the slider, unless the visitor has moved it meanwhile."""
-        if moment == self._shown_time or self._form.waiting or (playing and now - self._moved_at < REDRAW):
-            return
+    def _follow(self, now: float) -> None:
+        """Have slider and box show the time of the playback."""
+        playback = self._playback
+        due = not playback.playing or now - self._moved_at >= REDRAW
+        if due and not self._form.waiting and round(playback.time, 2) != self._shown_time:
+            self._moved_at = now
+            in_turn(self._form.gui, self._write_time)
+
+    def _write_time(self) -> None:
+        moment = round(self._playback.time, 2)
+        if self._write_slider(moment):
+            self._write_box(moment)
+
+    def _write_slider(self, moment: float) -> bool:
+        """Show a moment, unless the visitor has moved the slider meanwhile. Returns whether it is another one."""
+        shown = self._shown_time
+        if moment == shown or (self._slider.value != shown and not math.isnan(shown)):  # NaN was refused
+            return False
         self._slider.value = self._shown_time = moment
-        self._write_box(moment)
-        self._moved_at = now
+        return True
 
     def _write_box(self, moment: float) -> None:
-        """Show a moment; a text that was refused goes with its complaint."""
-        self._box.value = typed_number.text(moment)
+        """Show a moment, unless the visitor has typed another one meanwhile; a text that was refused goes with its
+        complaint."""
+        if self._box.value != self._shown_text:
+            return
+        self._box.value = self._shown_text = typed_number.text(moment)
         if self._section.complaint.is_about(element_id(self._box)):
             self._section.complaint.clear()
 
@@ -150,19 +170,20 @@ class TimelinePanel:
         with self._section.catching():
             self._shown_time = self._slider.value
             self._playback.seek(self._shown_time)
-        self._write_box(round(self._playback.time, 2))
+        in_turn(self._form.gui, partial(self._write_box, round(self._playback.time, 2)))
 
     def _seek_typed(self) -> None:
         """Go to the moment in the box. What is none stays there, with a sentence."""
+        self._shown_text = self._box.value
         try:
-            moment = typed_number.parse(self._box.value)
+            moment = typed_number.parse(self._shown_text)
             require_within("t", moment, 0.0, self._playback.duration, "s")
         except ValueError as error:
             self._section.complaint.say(str(error), boxes=(element_id(self._box),))
             raise InvalidInputError from error
         self._section.complaint.clear()
         self._playback.seek(moment)
-        self._shown_time = self._slider.value = round(self._playback.time, 2)
+        in_turn(self._form.gui, partial(self._write_slider, round(self._playback.time, 2)))
 
 
 def _end(duration: float) -> float:

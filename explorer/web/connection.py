@@ -20,7 +20,12 @@ def send_in_large_batches(client: viser.ClientHandle) -> None:
 
 def may_close(client: viser.ClientHandle) -> AbstractContextManager[None]:
     """Within it, messages to the tab are dropped without a warning once its connection is closed."""
-    return client.gui._websock_interface.get_message_buffer().sanctioned_dead_writes()
+    return gui_may_close(client.gui)
+
+
+def gui_may_close(gui: viser.GuiApi) -> AbstractContextManager[None]:
+    """The same for the controls of the tab."""
+    return gui._websock_interface.get_message_buffer().sanctioned_dead_writes()
 
 
 def run_script(client: viser.ClientHandle, script: str) -> None:

@@ -11,15 +11,18 @@ from explorer.charts import Charts, plot_list
 from explorer.charts.plot_size import PlotSize
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Settings
+from explorer.panels.timeline import REDRAW
 from explorer.scene import Scene
 from explorer.server import SessionServer
 from explorer.session import Session
 from explorer.shared import Compilation
 from explorer.web.security import open_server
+from explorer.widgets.form import Action
 from rangenav import preset
 from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 from tests.support.shared_server import shared
+from tests.support.waiting_visitor import Editing
 from tests.support.wire import Wire
 
 pytestmark = pytest.mark.slow
@@ -137,3 +140,26 @@ def test_a_run_plays_in_frames_of_its_own_and_stands_exactly_when_it_is_paused(
     assert tab.nodes["/anchor/range"]["scale"] == pytest.approx(float(distance))
     assert f"<b>{moment:.2f} s</b>" in tab.text()
     tab.close()
+
+
+@pytest.mark.parametrize(("control", "moved"), [("t (s)", 7.5), ("t (s): number", "7.5")])
+def test_a_moment_that_the_visitor_chooses_while_the_run_plays_is_not_written_over(
+    editing: Editing, monkeypatch: pytest.MonkeyPatch, control: str, moved: object
+) -> None:
+    """Between the move and the moment when the session hears of it, the run goes on for five updates of the slider."""
+    tab, form, playback = editing.tab, editing.session.form, editing.session._playback
+    do = form.do
+
+    def do_late(action: Action, **how: bool) -> None:
+        began = playback.time
+        tab.wait_for(lambda: playback.time > began + 5 * REDRAW, "the run to go on")
+        do(action, **how)
+
+    tab.command("Play or pause")
+    tab.wait_for(lambda: tab.value("t (s)") > 0, "the slider to move")
+    monkeypatch.setattr(form, "do", do_late)
+    tab.set(control, moved)
+    tab.wait_for(lambda: not playback.playing, "the session to hear of it")
+    assert playback.time == 7.5
+    slider = form.gui._gui_input_handle_from_uuid[tab.find("t (s)")]
+    tab.wait_for(lambda: slider.value == 7.5, "the slider")
