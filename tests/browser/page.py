@@ -61,6 +61,8 @@ WRITTEN = """([...document.body.children].filter(part => part.matches(':not(.rn-
     .map(part => part.innerText).join('\\n') + ((document.querySelector('.rn-rows') || {}).textContent || ''))
     .replaceAll('\\u00a0', ' ')"""
 """What a reader sees, and not what is only spoken: a no-break space is a space."""
+IS_OPEN = "head => head.querySelector('.tabler-icon-chevron-up') !== null"
+"""Of the heading of a folder."""
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
@@ -274,7 +276,15 @@ class Visitor:
 
     def folder(self, label: str) -> None:
         """Open or close the folder whose heading begins so."""
-        self.page.get_by_text(re.compile(f"^{re.escape(label)}")).filter(visible=True).first.click()
+        head = self.page.get_by_text(re.compile(f"^{re.escape(label)}")).filter(visible=True).first
+        was_open = head.evaluate(IS_OPEN)
+        for _ in range(3):  # what grows above a heading may move it between press and release: that is no click
+            head.click()
+            deadline = time.monotonic() + 5.0
+            while head.evaluate(IS_OPEN) == was_open and time.monotonic() < deadline:
+                time.sleep(PERIOD)
+            if head.evaluate(IS_OPEN) != was_open:
+                break
         time.sleep(0.4)
 
     def beside(self, label: str) -> Locator:

@@ -1,6 +1,5 @@
 """How little is sent for one picture: only what has changed, and never less than what has changed."""
 
-import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -123,10 +122,8 @@ def test_a_run_plays_in_frames_of_its_own_and_stands_exactly_when_it_is_paused(
     tab.wait_for(lambda: tuple(tab.nodes["/vehicle"]["position"]) != home, "the vehicle to move")
     tab.set("page", "width=1366&height=768&hidden=1")
     tab.wait_for(lambda: not session.plays, "the session to know")
-    time.sleep(0.1)  # the frame before
+    tab.wait_until_quiet(0.4)  # the layout of the new width, and the frame before; frames would come all the time
     hidden = dict(tab.counts)
-    time.sleep(0.2)
-    assert tab.counts == hidden, "a hidden tab is sent no frames"
     tab.set("page", "width=1366&height=768")
     tab.wait_for(lambda: tab.counts["SetPositionMessage"] > hidden["SetPositionMessage"] + 4, "more frames")
     tab.command("Play or pause")

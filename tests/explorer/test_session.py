@@ -56,17 +56,6 @@ def _wait_until_blind(tab: Wire) -> None:
     tab.wait_for(lambda: "✕ ≈ blind" in tab.text() or "✕ blind" in tab.text(), "a blind motion")
 
 
-def _settled(tab: Wire, seconds: float = 0.6) -> None:
-    """Wait until the server has sent nothing for so long; whoever sends for ever fails."""
-    began = quiet_since = time.monotonic()
-    before = -1
-    while time.monotonic() - quiet_since < seconds:
-        assert time.monotonic() - began < 60
-        time.sleep(0.1)
-        if before != (before := sum(tab.counts.values())):
-            quiet_since = time.monotonic()
-
-
 def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
     before = drawn(visitor)
     visitor.set("range weight q (1/(m⁴ s))", 0.0)
@@ -92,7 +81,7 @@ def test_a_flight_whose_ranges_are_all_lost_isdrawn(visitor: Wire):
     visitor.set("silent for (s)", 1000.0)
     visitor.wait_for_text("⚠ diverged")
     visitor.set("t (s)", 3.0)
-    _settled(visitor)
+    visitor.wait_until_quiet(0.6)
     assert not visitor.notifications
 
 
@@ -106,7 +95,7 @@ def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
     for step in range(60):
         visitor.set("range weight q (1/(m⁴ s))", 1.0 + step / 30)
     visitor.wait_for(lambda: visitor.value(f"{WEIGHT}: number") == "926.1", "the last value")
-    _settled(visitor)
+    visitor.wait_until_quiet(0.6)
     plot_count = sum(len(group.plots) for group in plot_list.GROUPS)
     assert visitor.counts["GuiUplotMessage"] <= plot_count  # plots are created once, however many changes arrive
     assert visitor.value(f"{WEIGHT}: number") == "926.1"
@@ -115,7 +104,7 @@ def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
 def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):
     visitor.set("preset", f"{preset.load('hover').title} (hover)")
     _wait_until_blind(visitor)
-    _settled(visitor)
+    visitor.wait_until_quiet(0.6)
     assert not any(p.get("label") == "amplitude x (m)" for p in visitor.elements.values())
     visitor.set("preset", f"{preset.load('wiggle').title} (wiggle)")
     visitor.wait_for(
@@ -125,15 +114,15 @@ def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):
 
 
 def test_a_written_preset_is_drawn_once_not_once_for_every_control(visitor: Wire):
-    _settled(visitor)
+    visitor.wait_until_quiet(0.6)
     before = visitor.counts["GuiUpdateMessage"]
     visitor.set("preset", f"{preset.load('lissajous').title} (lissajous)")
-    _settled(visitor)
+    visitor.wait_until_quiet(0.6)
     assert visitor.counts["GuiUpdateMessage"] - before < 250
 
 
 def test_an_idle_session_sends_nothing(visitor: Wire):
-    _settled(visitor, seconds=3.0)
+    visitor.wait_until_quiet(3.0)
 
 
 def test_two_tabs_do_not_disturb_each_other(port: int, visitor: Wire):

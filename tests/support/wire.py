@@ -41,6 +41,8 @@ CHANGED = " •"
 """Ends the label of a control that differs from its preset."""
 WAIT_TIMEOUT = 90.0
 """s; the first picture may have to wait for a compiler."""
+QUIET_TIMEOUT = 60.0
+"""s after which a server that never stops sending has failed."""
 PAUSE, QUIET = 0.01, 0.05
 """s between two looks at a condition while messages come, and at most."""
 
@@ -234,6 +236,16 @@ class Wire:
     def wait_for_text(self, text: str) -> None:
         """Wait until the page shows a text."""
         self.wait_for(lambda: text in self.text(), repr(text))
+
+    def wait_until_quiet(self, seconds: float) -> None:
+        """Wait until the server has sent nothing for so long; whoever sends for ever fails."""
+        began = quiet_since = time.monotonic()
+        before = -1
+        while time.monotonic() - quiet_since < seconds:
+            assert time.monotonic() - began < QUIET_TIMEOUT, "the server does not stop sending"
+            time.sleep(0.1)
+            if before != (before := sum(self.counts.values())):
+                quiet_since = time.monotonic()
 
     def stall(self) -> None:
         """Read nothing any more, as a browser whose machine sleeps; the server's pings are not answered either."""
