@@ -97,12 +97,14 @@ def _side_by_side(runs: list[Run]) -> list[Estimate]:
 
 def _innermost(parts: list[tuple[Array, ...]]) -> Array:
     """Tables of each run, one flat table with each number beside those of the others; the last run fills the lanes."""
-    rows, lanes, widths = len(parts[0][0]), lanes_kernel().LANES, [table.shape[1] for table in parts[0]]
-    filled, ends = aligned(rows * sum(widths) * lanes), np.cumsum(widths)
-    table = filled.reshape(rows, sum(widths), lanes)
-    for c in range(lanes):
-        for part, width, end in zip(parts[min(c, len(parts) - 1)], widths, ends, strict=True):
-            table[:, end - width : end, c] = part
+    kernel, place = lanes_kernel(), 0
+    rows, width = len(parts[0][0]), sum(table.shape[1] for table in parts[0])
+    filled = aligned(rows * width * kernel.LANES)
+    table = filled.reshape(rows, width, kernel.LANES)
+    filling = [parts[-1]] * (kernel.LANES - len(parts))
+    for runs in zip(*parts, *filling, strict=True):
+        kernel.lay(table, place, tuple(np.ascontiguousarray(one) for one in runs))
+        place += runs[0].shape[1]
     return filled
 
 

@@ -61,6 +61,16 @@ def run(
 
 
 @kernel
+def lay(table, place, runs):
+    """Lay a table of each of LANES runs beside those of the others: table[row, place + column, run]."""
+    rows, width = runs[0].shape
+    for k in range(rows):
+        for j in range(width):
+            for c in range(LANES):
+                table[k, place + j, c] = runs[c][k, j]
+
+
+@kernel
 def _advance(s, w, t0, t1, sample, range_time, ranges, first, last, innovation, p):
     """`cascade.advance` of every run."""
     x, P = at(w, LANES * X_AT, LANES), at(w, LANES * P_AT, LANES)
