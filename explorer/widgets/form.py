@@ -220,6 +220,11 @@ class Form:
         button.on_click(in_order(lambda _: self.do(action, away=away)))
         return button
 
+    def when_moved(self, handle: viser.GuiInputHandle, action: Action) -> None:
+        """Queue an action whenever the visitor moves a control, before that of a button that is pressed next."""
+        moved = in_order(lambda event: self.do(action, step=False) if event.client_id is not None else None)
+        handle.on_update(moved)
+
     def command(
         self,
         label: str,

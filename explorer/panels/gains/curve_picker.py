@@ -4,7 +4,6 @@ walks along it."""
 import viser
 
 from explorer.panels.gains.tuning_options import whole
-from explorer.widgets.controls import when_moved
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
@@ -39,9 +38,9 @@ class CurvePicker:
 
     def when_moved(self, *, curve: Action, place: Action) -> None:
         """Run an action when a visitor has chosen another curve, and one when the slider was moved."""
-        when_moved(self._curve, lambda: self._form.do(curve, step=False))
+        self._form.when_moved(self._curve, curve)
         for handle in self._place.handles:
-            when_moved(handle, lambda: self._form.do(place, step=False))
+            self._form.when_moved(handle, place)
 
     def begin(self, tuned: Tuned) -> None:
         """Offer the first curve of a search."""

@@ -9,7 +9,7 @@ from explorer.model import palette
 from explorer.model.glossary import VERDICT
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import ORIGIN, FlightOptions, FlightReport, WorldSource, judge, world_evidence
-from explorer.widgets.controls import Choice, Number, Switch, when_moved
+from explorer.widgets.controls import Choice, Number, Switch
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.progress import ProgressPanel
@@ -87,7 +87,7 @@ class FlightPanel:
             self._report_block = form.gui.add_html("", visible=False)
         section.check(self._follow)
         for choice in (self._anchor_source, self._world):
-            when_moved(choice.handle, lambda: form.do(self._show_boxes, step=False))
+            form.when_moved(choice.handle, self._show_boxes)
         section.show(False)
 
     def close(self) -> None:

@@ -4,6 +4,7 @@ import functools
 import itertools
 import math
 import re
+import threading
 import time
 from collections.abc import Iterator
 
@@ -156,6 +157,21 @@ def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
         assert gains(tuned) == walk[place - 1].gains
     tuned.command("Undo")
     assert gains(tuned) == walk[0].gains  # each use is a step of its own
+
+
+def test_what_is_used_right_after_picking_is_what_was_picked(tuned: Editing):
+    """The button comes with the pick, while all threads are busy in which viser calls plain functions."""
+    walk, tab, form = panel(tuned).choices, tuned.tab, tuned.session.form
+    ranked = sorted(range(len(walk)), key=lambda k: walk[k].gains == gains(tuned))  # one that is not in use
+    place, go_on, used = ranked[0] + 1, threading.Event(), form.actions_run
+    for _ in range(64):
+        form.gui._thread_executor.submit(go_on.wait)
+    tab.set("place on the curve: number", str(place))
+    tab.press("Use these gains")
+    tab.wait_for(lambda: form.actions_run > used, "the button")
+    go_on.set()
+    tuned.settle()
+    assert gains(tuned) == walk[place - 1].gains
 
 
 def test_picking_is_no_step_of_the_history_and_leaves_the_settings(searched: Editing):
