@@ -11,7 +11,7 @@ import pytest
 from jaxtyping import Float, TypeCheckError
 
 import rangenav
-from rangenav import so3
+from rangenav import record, so3
 from tests.support import shape_checker
 
 UNCHECKED = ("rangenav.kernels", "rangenav.__main__")
@@ -83,6 +83,15 @@ def test_a_function_of_a_module_runs_as_it_is_written_after_some_calls_until_a_t
         shape_checker.begin_test(number)
         assert refused(so3.hat, np.ones(3, int), 1000) == more
     assert list(inspect.signature(so3.hat).parameters) == ["w"]
+
+
+def test_the_traceback_of_a_wrong_call_can_be_shown():
+    """`Outcome.__init__` has free variables, as whatever dataclass makes, and so has a method that calls super()."""
+    shape_checker.begin_file()
+    with pytest.raises(TypeError) as refused:
+        record.Outcome(1, 2, 3)  # pyright: ignore
+    assert any("args" in entry.frame.f_locals for entry in refused.traceback)
+    assert record.Outcome.__init__.__code__.co_freevars == record.Outcome.__init__.__wrapped__.__code__.co_freevars  # pyright: ignore
 
 
 def test_each_test_file_checks_its_own_first_calls():

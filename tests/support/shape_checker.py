@@ -75,10 +75,9 @@ class _Codes:
 
     def count_by(self, counting: Callable) -> None:
         """The other function, which stands as a constant in the code that calls it."""
-        constants = tuple(counting if one == PLACE else one for one in _call.__code__.co_consts)
-        self.counting = _call.__code__.replace(
-            co_consts=constants, co_freevars=self.own.co_freevars, co_name=self.own.co_name
-        )
+        call = _call_with(self.own.co_freevars)
+        constants = tuple(counting if one == PLACE else one for one in call.co_consts)
+        self.counting = call.replace(co_consts=constants, co_name=self.own.co_name)
 
     def count(self) -> None:
         self.function.__code__ = self.counting
@@ -90,11 +89,26 @@ class _Codes:
 NOTE = "within the scope of a `jaxtyping.jaxtyped` function"
 """What jaxtyping notes with every error that leaves a function whose shapes it checks."""
 PLACE = "the place of the function that counts"
+CALL = """
+def outer({names}):
+    def call(*args, **kwargs):
+        counting = {place!r}
+        return counting(*args, **kwargs)
+        {names}
+    return call
+"""
 
 
-def _call(*args, **kwargs):
-    counting: Any = "the place of the function that counts"
-    return counting(*args, **kwargs)
+@functools.cache
+def _call_with(names: tuple[str, ...]) -> CodeType:
+    """The code of a call of a constant that has these free variables, as the code has in whose place it stands.
+
+    Without them a traceback could not be shown: Python looks for them in each frame, and ends where there are none."""
+    made: dict[str, Any] = {}
+    exec(CALL.format(names=", ".join(names), place=PLACE), made)
+    code = made["outer"](*names).__code__
+    assert code.co_freevars == names
+    return code
 
 
 _calls: list[_Calls] = []
