@@ -81,7 +81,7 @@ class Session:
         self._wake.set()
 
     def _run(self) -> None:
-        with connection.may_close(self._client):
+        with connection.may_close(self._client.gui):
             with self._reporting():
                 if not self._stopped:  # else the page was loaded again already, as when a key is held down
                     self._page.build(disconnected=lambda: self._stopped)

@@ -18,13 +18,8 @@ def send_in_large_batches(client: viser.ClientHandle) -> None:
     client.gui._websock_interface.get_message_buffer().max_window_size = AT_ONCE
 
 
-def may_close(client: viser.ClientHandle) -> AbstractContextManager[None]:
-    """Within it, messages to the tab are dropped without a warning once its connection is closed."""
-    return gui_may_close(client.gui)
-
-
-def gui_may_close(gui: viser.GuiApi) -> AbstractContextManager[None]:
-    """The same for the controls of the tab."""
+def may_close(gui: viser.GuiApi) -> AbstractContextManager[None]:
+    """Within it, messages to the tab of these controls are dropped without a warning once its connection is closed."""
     return gui._websock_interface.get_message_buffer().sanctioned_dead_writes()
 
 

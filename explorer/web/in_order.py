@@ -12,7 +12,7 @@ from typing import Any
 
 import viser
 
-from explorer.web.connection import gui_may_close
+from explorer.web.connection import may_close
 
 Handler = Callable[[Any], Coroutine[Any, Any, None]]
 
@@ -30,7 +30,7 @@ def in_turn(gui: viser.GuiApi, write: Callable[[], object]) -> None:
     """Have viser's event loop call `write` between two messages of the visitor; it takes no time."""
 
     def in_loop() -> None:
-        with gui_may_close(gui):
+        with may_close(gui):
             write()
 
     gui._event_loop.call_soon_threadsafe(in_loop)

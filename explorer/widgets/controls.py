@@ -198,5 +198,6 @@ class Text(Control[str]):
 
 
 def when_moved(handle: viser.GuiInputHandle, wake: Wake) -> None:
-    """Wake the loop when a visitor moves a control; for assigned values viser calls back without a client."""
+    """Wake the loop when a visitor moves a control, after what was moved before; a move that acts like the press of a
+    button belongs to `Form.when_moved`. For assigned values viser calls back without a client."""
     handle.on_update(lambda event: wake() if event.client_id is not None else None)

@@ -87,7 +87,6 @@ def starts(
         rng.standard_normal((count, 4))
     ).as_matrix()  # normal in R⁴: no preferred direction
     preset = replace(preset, guess=Guess())
-
     setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
     records = range(preset.seed, preset.seed - (-count // STARTS_PER_RECORD))
 

@@ -13,7 +13,7 @@ Names = tuple[Candidate, Candidate]
 Values = tuple[float, float]
 BLIND = "the motion leaves a direction blind at each of them, so try other values, other axes or another motion"
 MATCHED = ": the gains are noise-matched, so they follow from the noise"
-SAMPLED = "Values are those of the worst of some windows. Other windows may be worse; their σ is at most 1 % larger."
+SAMPLED = "Values are those of the worst of some windows. Others may be worse; in tests their σ was at most 1 % larger."
 
 
 def sentence(
